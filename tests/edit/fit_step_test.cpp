@@ -212,6 +212,19 @@ TEST(FitStep, FitsOrAdvisesWhereScansMislead) {
   }
 }
 
+/// A mesh with another first vertex, which is NaN and in no face.
+TriangleMesh with_nan_first(const TriangleMesh& mesh) {
+  TriangleMesh more{Points::Constant(mesh.vertices.rows() + 1, 3, std::nan("")), mesh.faces.array() + 1};
+  more.vertices.bottomRows(mesh.vertices.rows()) = mesh.vertices;
+  return more;
+}
+
+TEST(FitStep, NanPointsWithoutFacesChangeNothing) {
+  const Points expected = apply_edit(head(), fit_edit(other_head())).positions;
+  EXPECT_TRUE(support::same_bits(apply_edit(head(), fit_edit(with_nan_first(other_head()))).positions, expected));
+  EXPECT_TRUE(support::same_bits(apply_edit(with_nan_first(head()), fit_edit(other_head())).positions, expected));
+}
+
 TEST(FitStep, AdvisesOnLandmarksThatDoNotMatch) {
   Edit edit = fit_edit(other_head());
   HandleGroup group;
@@ -234,17 +247,27 @@ TEST(FitStep, AdvisesOnLandmarksThatDoNotMatch) {
 }
 
 TEST(FitStep, RefusesWhatCannotBeFitted) {
-  const auto cause = [](const Edit& edit) {
+  const auto cause_of = [](const TriangleMesh& mesh, const Edit& edit) {
     try {
-      apply_edit(head(), edit);
+      apply_edit(mesh, edit);
     } catch (const EditError& error) {
       return std::string(error.what());
     }
     return std::string();
   };
+  const auto cause = [&cause_of](const Edit& edit) { return cause_of(head(), edit); };
   Edit edit = fit_edit(other_head());
   edit.steps[0].fit->scan = nullptr;
   EXPECT_NE(cause(edit).find("was not read"), std::string::npos);
+  edit = fit_edit(other_head());
+  for (const double scale : {1e80, 1e-80}) {
+    const auto scaled = [scale](TriangleMesh mesh) {
+      mesh.vertices *= scale;
+      return mesh;
+    };
+    EXPECT_NE(cause_of(scaled(head()), edit).find("another unit of length"), std::string::npos);
+    EXPECT_THROW(fit_edit(scaled(head())), EditError);
+  }
   edit = fit_edit(other_head());
   edit.steps[0].handles = {{{3}, {}}};
   EXPECT_NE(cause(edit).find("has no targets"), std::string::npos);
@@ -265,6 +288,11 @@ TEST(FitStep, RefusesWhatCannotBeFitted) {
   edit.steps[0].fit->settings.align = FitAlign::None;
   edit.steps[0].fit->settings.distance = 1;
   EXPECT_NE(cause(edit).find("no partner"), std::string::npos);
+  EXPECT_NE(cause(edit).find("or give three landmarks"), std::string::npos) << cause(edit);
+  edit.steps[0].handles = {{{3, 100, 250}, {}}};
+  edit.steps[0].handles[0].targets.assign(3, Vector3(100, 0, 0));
+  EXPECT_NE(cause(edit).find("although 3 landmarks were given"), std::string::npos) << cause(edit);
+  EXPECT_NE(cause(edit).find("left and right may be exchanged"), std::string::npos);
 }
 
 }  // namespace

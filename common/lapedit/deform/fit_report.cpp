@@ -37,7 +37,9 @@ std::string FitReport::advice() const {
   if (by_landmarks && *by_landmarks > kContradict) {
     return format_text(
         "The landmarks do not match: after the alignment their distances to the targets are %.3g of those of the "
-        "targets to their mean (RMS): check that each has the target that belongs to it.",
+        "targets to their mean (RMS): check that each has the target that belongs to it, and that left and right are "
+        "not "
+        "exchanged.",
         *by_landmarks);
   }
   if (std::min(to_scan.matched, from_scan.matched) < kHalf) {

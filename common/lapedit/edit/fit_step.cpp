@@ -91,6 +91,9 @@ void measure(const Region& region, const Points& before, const Points& after, co
   report.volume = enclosed_volume(region, before);
   report.volume_change = enclosed_volume(region, after) - report.volume;
   report.is_body = encloses_a_body(region, before, report.volume);
+  if (const double now = report.volume + report.volume_change; report.is_body && (now < 0) != (report.volume < 0)) {
+    report.causes.lost = {region.mesh_vertex[0], report.volume, now, false};
+  }
   report.rotation_max = largest_rotation(rotations, {});
   report.rotation_mean = report.rotation_max;
   if (report.fit->mode == "pose") {
@@ -133,6 +136,7 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   const Stopwatch watch;
   report_progress(progress, 0, "region");
   const Region region = fit_region(mesh, adjacency, step.region, handle, options.threads);
+  require_size(mesh, region);
   report_progress(progress, 0, "align");
   const double region_ms = watch.elapsed();
   for (FitLandmark& landmark : landmarks) {

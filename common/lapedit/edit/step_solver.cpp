@@ -7,10 +7,12 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit_step.h"
 #include "lapedit/edit/step_frame.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 
@@ -28,6 +30,18 @@ void round_to(StoredScalar scalar, Points& positions) {
   }
 }
 
+void require_size(const TriangleMesh& mesh, const Region& region) {
+  constexpr double kLargest = 1e60, kSmallest = 1e-60;
+  const Points points = gather(mesh.vertices, region.mesh_vertex);
+  const double farthest = points.cwiseAbs().maxCoeff(), size = bounding_box(points).sizes().maxCoeff();
+  if (farthest > kLargest || (size > 0 && size < kSmallest)) {
+    throw EditError(ErrorCause::BadParameter,
+                    format_text("The region has a size of %.3g and coordinates up to %.3g, but an edit needs a size "
+                                "above %.0e and coordinates below %.0e: use another unit of length.",
+                                size, farthest, kSmallest, kLargest));
+  }
+}
+
 FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                         std::vector<std::vector<int>> groups, std::vector<std::vector<double>> weights, int threads) {
   weights.resize(groups.size());
@@ -37,6 +51,7 @@ FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, co
   const Stopwatch watch;
   FoundRegion found;
   found.region = std::make_shared<const Region>(build_region(mesh, adjacency, spec, groups, threads, weights));
+  require_size(mesh, *found.region);
   found.milliseconds = watch.elapsed();
   return found;
 }

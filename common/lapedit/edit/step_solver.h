@@ -45,10 +45,13 @@ struct FoundRegion {
 
 /// @param groups   handle groups, vertices in any order; @param weights per group, as HandleGroup::weights; none: 1
 /// @param threads  as for SolverOptions
-/// @throws EditError as sort_group() and build_region()
+/// @throws EditError as sort_group(), build_region() and require_size()
 FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                         std::vector<std::vector<int>> groups, std::vector<std::vector<double>> weights = {},
                         int threads = 0);
+
+/// @throws EditError (BadParameter) if fourth powers of the region's lengths or coordinates may be no numbers
+void require_size(const TriangleMesh& mesh, const Region& region);
 
 struct StepOptions {
   StoredScalar scalar = StoredScalar::Double;

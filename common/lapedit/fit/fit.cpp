@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "lapedit/base/error.h"
@@ -44,6 +46,7 @@ class Fit {
   void pull();
   void finish(double length);
   FitDistances measured(bool back) const;
+  std::string advice_without_partners() const;
 
   const FitProblem& of_;
   const FitConstants& with_;
@@ -265,6 +268,24 @@ FitDistances Fit::measured(bool back) const {
           quantile(1)};
 }
 
+std::string Fit::advice_without_partners() const {
+  constexpr std::size_t kEnough = 3;
+  const std::string check = ": check that both show the same object, that their normals point outwards, and ";
+  if (of_.landmarks.size() < kEnough) {
+    return check + "their alignment, or give three landmarks.";
+  }
+  const std::optional<double>& residual = result_.report.by_landmarks;
+  return ", although " + std::to_string(of_.landmarks.size()) + " landmarks were given" +
+         (residual
+              ? format_text(
+                    ", whose distances to the targets are %.3g of those of the targets to their mean (RMS) after the "
+                    "alignment",
+                    *residual)
+              : "") +
+         check +
+         "that each landmark has its own target: left and right may be exchanged, or one of both a mirror image.";
+}
+
 /// Measures the fit, and converts its positions to model units.
 void Fit::finish(double length) {
   const std::string text = "fit: measure" + distance_;
@@ -280,9 +301,7 @@ void Fit::finish(double length) {
   constexpr double kNone = 0.01;
   if (result_.report.to_scan.matched < kNone && result_.report.from_scan.matched < kNone) {
     throw EditError(ErrorCause::BadParameter,
-                    "The template found no partner on " + of_.scan.name() +
-                        ": check that both show the same object, that their normals point outwards, and their "
-                        "alignment, or give three landmarks.");
+                    "The template found no partner on " + of_.scan.name() + advice_without_partners());
   }
   result_.positions = (of_.scan.size() * points_).rowwise() + of_.scan.origin().transpose();
   for (const int i : anchors_) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
 #include "lapedit/mesh/weld.h"
 
 namespace lapedit {
@@ -57,6 +58,13 @@ Scan::Scan(const ScanData& data) : name_(data.name) {
   constexpr double kRounding = 1e-12;
   if (!(size_ > kRounding * origin_.norm()) || !std::isfinite(size_)) {
     throw EditError(ErrorCause::NotFinite, name_ + " is a single point or triangle: give the surface of a scan.");
+  }
+  constexpr double kLargest = 1e60, kSmallest = 1e-60;  // fourth powers of lengths have to be numbers
+  if (origin_.norm() > kLargest || size_ > kLargest || size_ < kSmallest) {
+    throw EditError(ErrorCause::BadParameter,
+                    name_ + format_text(" has a size of %.3g at %.3g from the origin, but a fit needs a size above "
+                                        "%.0e and coordinates below %.0e: use another unit of length.",
+                                        size_, origin_.norm(), kSmallest, kLargest));
   }
   Points points = (mesh.vertices.rowwise() - origin_.transpose()) / size_;
   // sqrt(area / n): at size 1 a sphere has area 6, a disc 3.
