@@ -78,6 +78,8 @@ TEST(LandmarkSpace, LandmarksAreConvertedToThatOfTheMesh) {
   }
   EXPECT_EQ(support::expect_refusal(ErrorCause::BadParameter, [] { in_space(edit_of("LAS", "LAS"), "LPS"); }),
             "Landmarks in LAS coordinates cannot be converted to LPS: save them in the coordinate system of the mesh.");
+  EXPECT_EQ(support::expect_refusal(ErrorCause::BadParameter, [] { in_space(edit_of("", ""), "XYZ"); }),
+            "space: the coordinate system \"XYZ\" is unknown: give RAS or LPS, or none.");
   EXPECT_EQ(in_space(edit_of("LAS", "LAS"), "").steps[0].handles[0].targets[0], Vector3(4, -5, 6));
 }
 

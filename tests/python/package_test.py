@@ -195,6 +195,9 @@ class SameBits(unittest.TestCase):
             for space in ("LPS", "lps"):
                 again = edit(points, faces, text, landmarks_folder=folder, space=space)
                 self.assertEqual(again.vertices.tobytes(), first.vertices.tobytes())
+            for given in (text, {"steps": [PULL]}):
+                with self.assertRaisesRegex(EditRefused, 'space: the coordinate system "XYZ" is unknown'):
+                    edit(points, faces, given, landmarks_folder=folder, space="xyz")
             with self.assertRaisesRegex(EditRefused, "RAS|LPS|far"):
                 edit(points, faces, text, landmarks_folder=folder)
 
@@ -435,7 +438,7 @@ class Editing(unittest.TestCase):
         points, faces = grid()
         corners = faces.ravel()
         mirrored = {**PULL, "mirror": {"point": [8, 0, 0], "normal": [1, 0, 0]}}
-        for step in (PULL, mirrored, {**PULL, "weld": False}):
+        for step in (PULL, mirrored):
             for mesh in ((points, faces), (points[corners], numpy.arange(len(corners)).reshape(-1, 3))):
                 with self.subTest(step=step, vertices=len(mesh[0])):
                     editor = Editor(*mesh, step)

@@ -71,6 +71,13 @@ bool fit(const VertexFinder& finder, std::vector<Vector3> points, double factor,
 
 }  // namespace
 
+void require_known_space(const std::string& space) {
+  if (!space.empty() && !is_known(space)) {
+    throw EditError(ErrorCause::BadParameter,
+                    "space: the coordinate system \"" + space + "\" is unknown: give RAS or LPS, or none.");
+  }
+}
+
 bool convert(std::vector<Vector3>& points, const std::string& from, const std::string& to) {
   if (from.empty() || to.empty() || from == to) {
     return false;

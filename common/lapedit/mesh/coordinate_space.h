@@ -15,6 +15,9 @@ namespace lapedit {
 /// @param bytes  of the file, or its first 64 KiB
 std::string space_in_header(const std::string& bytes);
 
+/// @throws EditError (BadParameter) for a name other than "RAS", "LPS" and the empty one
+void require_known_space(const std::string& space);
+
 /// Converts points from one coordinate system to another; does nothing if either is unknown. @return whether the points
 /// have changed
 /// @throws EditError (BadParameter) for a system that cannot be converted
