@@ -335,10 +335,8 @@ class PosedStep {
         build_adjacency(static_cast<int>(given_.mesh.vertices.rows()), given_.mesh.faces, options.solver.threads);
     own_ = one_step(edit);
     mesh_ = given_.mesh;
-    auto joined = std::make_shared<const Joined>(mesh_, mesh_.vertices, own_.weld);
-    if (joined->is_given) {
-      joined = nullptr;
-    } else {
+    const auto joined = joined_surface(mesh_);
+    if (joined) {
       mesh_.faces = joined->faces;
     }
     step_ = std::make_unique<PreparedStep>(mesh_, joined, own_, options);

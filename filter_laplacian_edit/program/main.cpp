@@ -117,7 +117,8 @@ class Job {
       : options_(options),
         output_(output),
         line_(!options.quiet),
-        files_("output", options.output == "-" ? std::vector<std::string>() : options.outputs()),
+        names_(options.outputs()),
+        files_("output", options.output == "-" ? std::vector<std::string>() : names_),
         report_file_("report", options.report.empty() ? std::vector<std::string>() : std::vector{options.report}) {}
 
   void run() {
@@ -144,22 +145,19 @@ class Job {
     validate(file_.mesh);
     edit = in_space(with_scans(std::move(edit), readScan), file_.space);
     const Adjacency adjacency = build_adjacency(static_cast<int>(file_.mesh.vertices.rows()), file_.mesh.faces);
-    poses_ = apply_edit(file_.mesh, adjacency, edit, file_.selected, options_.fractions, file_.scalar, show);
-    for (std::size_t k = 0; k < poses_.size() && options_.quality; ++k) {
-#ifdef LAPEDIT_WITH_VCGLIB
-      count_self_intersections(file_.mesh, poses_[k]);
-#else
-      throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
-#endif
-    }
-    edit_ms_ = stopwatch.lap();
+    const auto finish = [&](EditResult&& pose) {
+      measure(pose);
+      refuseAdvice(pose);
+      edit_ms_ += stopwatch.lap();
+      write(pose);
+      write_ms_ += stopwatch.lap();
+    };
+    apply_edit(file_.mesh, adjacency, edit, file_.selected, options_.fractions, finish, file_.scalar, show);
+    edit_ms_ += stopwatch.lap();
     line_.clear();
-    refuseAdvice();
-
-    for (std::size_t k = 0; k < poses_.size(); ++k) {
-      write(k);
-    }
-    write_ms_ = stopwatch.lap();
+    printAll(text_, output_,
+             options_.output == "-" ? "what arrived is not complete"
+                                    : "nothing was written; with --quiet there are no reports");
     if (!options_.report.empty()) {
       report_file_.write(report());
     }
@@ -173,63 +171,70 @@ class Job {
   }
 
  private:
-  /// Refuses the result if advice is an error. @throws Failure (Advised)
-  void refuseAdvice() const {
-    for (std::size_t p = 0; options_.strict && p < poses_.size(); ++p) {
-      const std::vector<EditReport>& steps = poses_[p].reports;
-      for (std::size_t k = 0; k < steps.size(); ++k) {
-        const std::string advice = steps[k].advice();
-        if (!advice.empty()) {
-          throw Failure(
-              Advised,
-              "With --strict nothing was written: " +
-                  (options_.numbered ? "at fraction " + number_text(options_.fractions[p]) + ", " : "") +
-                  (steps.size() > 1 ? "step " + std::to_string(k + 1) + " of " + std::to_string(steps.size()) + ", "
-                                    : "") +
-                  advice);
-        }
+  /// Returns the fraction of the pose that is written next.
+  double fraction() const { return options_.fractions[poses_]; }
+
+  void measure(EditResult& pose) const {
+    if (options_.quality) {
+#ifdef LAPEDIT_WITH_VCGLIB
+      count_self_intersections(file_.mesh, pose);
+#else
+      throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
+#endif
+    }
+  }
+
+  /// Refuses a pose if advice is an error. @throws Failure (Advised)
+  void refuseAdvice(const EditResult& pose) const {
+    const std::vector<EditReport>& steps = pose.reports;
+    for (std::size_t k = 0; options_.strict && k < steps.size(); ++k) {
+      const std::string advice = steps[k].advice();
+      if (!advice.empty()) {
+        throw Failure(Advised, "With --strict nothing was written: " +
+                                   (options_.numbered ? "at fraction " + number_text(fraction()) + ", " : "") +
+                                   (steps.size() > 1
+                                        ? "step " + std::to_string(k + 1) + " of " + std::to_string(steps.size()) + ", "
+                                        : "") +
+                                   advice);
       }
     }
   }
 
-  /// Writes an output and prints its report. run() replaces files afterwards, so that a closed standard output is
-  /// detected first.
-  void write(std::size_t k) {
+  /// Writes an output and keeps its report. run() prints and replaces files afterwards, so that all is old or complete.
+  void write(const EditResult& pose) {
     int shared = 0;
-    const std::string bytes = file_.edited(poses_[k], shared);
-    shared_normals_.push_back(shared);
+    std::string bytes = file_.edited(pose, shared);
     if (options_.output == "-") {
-      return printAll(bytes, output_, "what arrived is not complete");
-    }
-    if (!options_.quiet) {
-      const std::string fraction = options_.numbered ? "Fraction " + number_text(options_.fractions[k]) + "\n" : "";
+      text_ = std::move(bytes);
+    } else {
+      files_.write(bytes);
       const std::string normals = "Normals that vertices outside the region use too stay as they are: ";
-      printAll(
-          fraction + text_of(poses_[k].reports) + (shared > 0 ? "\n" + normals + std::to_string(shared) : "") + "\n",
-          output_, "nothing was written; with --quiet there are no reports");
+      text_ += options_.quiet
+                   ? ""
+                   : (options_.numbered ? "Fraction " + number_text(fraction()) + "\n" : "") + text_of(pose.reports) +
+                         (shared > 0 ? "\n" + normals + std::to_string(shared) : "") + "\n";
     }
-    files_.write(bytes);
+    if (!options_.report.empty()) {
+      outputs_.push_back({{"file", full(names_[poses_])},
+                          {"fraction", fraction()},
+                          {"shared_normals", shared},
+                          {"steps", report_json(pose.reports)}});
+    }
+    ++poses_;
+  }
+
+  static std::string full(const std::string& path) {
+    return path == "-" || path.empty() ? path : fs::absolute(path).string();
   }
 
   std::string report() const {
-    const auto full = [](const std::string& path) {
-      return path == "-" || path.empty() ? path : fs::absolute(path).string();
-    };
-    Json outputs = Json::array();
-    const std::vector<std::string> names = options_.outputs();
-    for (std::size_t k = 0; k < poses_.size(); ++k) {
-      outputs.push_back({{"file", full(names[k])},
-                         {"fraction", options_.fractions[k]},
-                         {"shared_normals", shared_normals_[k]},
-                         {"steps", report_json(poses_[k].reports)}});
-    }
     Json all = {{"laplacian_edit_report", 1},
                 {"program", "laplacian-edit " LAPEDIT_VERSION},
                 {"scalar", file_.scalar == StoredScalar::Float ? "float" : "double"},
                 {"input", full(options_.input)},
                 {"edit", full(options_.edit)},
                 {"mesh", {{"vertices", file_.mesh.vertices.rows()}, {"faces", file_.mesh.faces.rows()}}},
-                {"outputs", outputs},
+                {"outputs", outputs_},
                 {"milliseconds", {{"read", read_ms_}, {"edit", edit_ms_}, {"write", write_ms_}}}};
     if (options_.edit.empty()) {
       all.erase("edit");
@@ -247,10 +252,12 @@ class Job {
   const Options& options_;
   std::FILE* output_;
   ProgressLine line_;
+  std::vector<std::string> names_;  // of the outputs
   OutputFiles files_, report_file_;
   MeshFile file_;
-  std::vector<EditResult> poses_;    // one per fraction
-  std::vector<int> shared_normals_;  // likewise
+  std::size_t poses_ = 0;         // number of complete ones
+  Json outputs_ = Json::array();  // their reports
+  std::string text_;              // to print at the end
   double read_ms_ = 0, edit_ms_ = 0, write_ms_ = 0;
 };
 

@@ -123,15 +123,28 @@ class Edits(ProgramTest):
             for suffix, write in ((".ply", files.ply_plain), (".obj", lambda m: files.obj(m, more=False))):
                 path = self.folder / (name + suffix)
                 path.write_bytes(write(torn))
-                for weld in (True, False):
-                    with self.subTest(name=name, suffix=suffix, weld=weld):
-                        step = {"region": {"radius": 0.4}, "handles": [{"points": [points[220]], "translation": [0, 0, 0.2]}]}
-                        edit = self.write_edit({**step, **({} if weld else {"weld": False})})
-                        self.done(path, "out" + suffix, edit, "--report", "report.json")
-                        (report,) = json.loads((self.work / "report.json").read_text())["outputs"][0]["steps"]
-                        after = MeshBytes(suffix, (self.work / ("out" + suffix)).read_bytes()).points
-                        self.assertEqual(all(after[a] == after[b] for a, b in together), weld)
-                        self.assertEqual(report["welded"] > 0, weld)
+                with self.subTest(name=name, suffix=suffix):
+                    step = {"region": {"radius": 0.4}, "handles": [{"points": [points[220]], "translation": [0, 0, 0.2]}]}
+                    self.done(path, "out" + suffix, self.write_edit(step), "--report", "report.json")
+                    (report,) = json.loads((self.work / "report.json").read_text())["outputs"][0]["steps"]
+                    after = MeshBytes(suffix, (self.work / ("out" + suffix)).read_bytes()).points
+                    self.assertTrue(all(after[a] == after[b] for a, b in together))
+                    self.assertGreater(report["welded"], 0)
+
+    def test_poses_take_the_memory_of_one(self):
+        side = 120
+        points = [(i / 10, j / 10, (i * j % 7) / 50) for j in range(side) for i in range(side)]
+        corners = [j * side + i for j in range(side - 1) for i in range(side - 1)]
+        self.mesh.write_bytes(files.ply_plain((points, [face for a in corners for face in ((a, a + 1, a + side), (a + 1, a + side + 1, a + side))])))
+        edit, most = self.write_edit({"region": {"radius": 0.3}, "handles": [{"vertices": [side * side // 2], "translation": [0, 0, 0.1]}]}), []
+        for count in (2, 150):
+            process = self.start("--quiet", self.mesh, "out.ply", edit, "--fractions", f"0:1:{count}")
+            _, status, used = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            process.communicate()
+            self.assertEqual(process.returncode, 0)
+            most.append(used.ru_maxrss)
+        self.assertLess(most[1] - most[0], 20 * side * side * 24 / 1024, "kB: 20 poses of the whole mesh")
 
     def test_quality_counts_new_intersections(self):
         side = self.write_edit({"region": {"radius": 0.5}, "handles": [{"vertices": "220", "translation": [0.9, 0.1, -0.02]}]})

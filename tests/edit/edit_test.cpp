@@ -188,6 +188,45 @@ TEST(Edit, SeveralFractionsHaveTheBitsThatEachHasAlone) {
   }
 }
 
+/// Fails if results are collected, which take the memory of a mesh each.
+TEST(Edit, PosesAreGivenOneByOne) {
+  const TriangleMesh mesh = test_mesh();
+  const Edit edit = edit_of(several_steps(LaplacianKind::Cotangent));
+  const auto count = static_cast<double>(kFractions.size());
+  double done = 0;
+  std::size_t poses = 0;
+  const auto each = [&](EditResult&& pose) {
+    EXPECT_LE(done, static_cast<double>(++poses) / count + 1e-12);
+    EXPECT_LT(pose.positions.rows(), mesh.vertices.rows()) << "a pose holds its region";
+  };
+  const auto progress = [&](double fraction, const char*) {
+    EXPECT_GE(fraction, static_cast<double>(poses) / count - 1e-12);
+    done = fraction;
+    return true;
+  };
+  apply_edit(mesh, support::adjacency_of(mesh), edit, {}, kFractions, each, StoredScalar::Double, progress);
+  EXPECT_EQ(poses, kFractions.size());
+}
+
+TEST(Edit, SizesOutsideTheRangeOfFourthPowersAreRefused) {
+  const TriangleMesh mesh = test_mesh();
+  const Points expected = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3})})).positions;
+  const auto scaled = [&](double scale) {
+    EditStep step = pull({kMiddle}, {0, 0, 3 * scale});
+    step.region.radius *= scale;
+    return apply_edit({scale * mesh.vertices, mesh.faces}, edit_of({step})).positions;
+  };
+  for (const double scale : {0x1p-180, 0x1p180}) {
+    EXPECT_LT((scaled(scale) / scale - expected).cwiseAbs().maxCoeff(), 1e-9) << scale;
+  }
+  for (const double scale : {1e-300, 1e-77, 1e-70, 1e70, 1e77, 1e300}) {
+    const std::string sentence = support::expect_refusal(ErrorCause::BadParameter, [&] { scaled(scale); });
+    support::expect_contains(sentence, "use another unit of length");
+  }
+  support::expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of({pull({kMiddle}, {0, 0, 1e77})})),
+                           "Handle group 0 is to move by 1e+77");
+}
+
 TEST(Edit, SeveralFractionsOfOneStepShareOneFactorisation) {
   const TriangleMesh mesh = test_mesh();
   const std::vector<EditResult> poses =

@@ -117,8 +117,7 @@ TEST(Surface, CountsEachFaceOnceAndNoneThatNamesAVertexTwice) {
     for (const EditMethod method : {EditMethod::Default, EditMethod::Paper, EditMethod::Linear}) {
       EditStep step = pull(mesh, mesh.vertices.row(mesh.vertices.rows() / 2).transpose(), 0.4 * size);
       step.settings = EditSettings::of(method);
-      for (const bool welds : {true, false}) {
-        step.weld = welds || mesh.vertices.rows() > 1000;  // triangles of a soup have no neighbours
+      for (int times = 0; times < 2; ++times) {
         const EditResult result = support::apply_step(bad, step), expected = support::apply_step(mesh, step);
         ASSERT_EQ(result.vertices, expected.vertices) << name(method);
         EXPECT_TRUE(same_bits(result.positions, expected.positions)) << name(method);
@@ -131,42 +130,6 @@ TEST(Surface, CountsEachFaceOnceAndNoneThatNamesAVertexTwice) {
       }
     }
   }
-}
-
-TEST(Weld, CanBeSwitchedOff) {
-  for (const Case& one : cases()) {
-    const TriangleMesh& mesh = one.torn.mesh;
-    EditStep step = pull(mesh, one.torn.sound.vertices.row(0).transpose(), 100);
-    step.weld = false;
-    const EditResult result = support::apply_step(mesh, step);
-    EXPECT_LT(result.vertices.size(), static_cast<std::size_t>(mesh.vertices.rows())) << one.what;
-    EXPECT_EQ(result.reports.front().welded, 0);
-  }
-}
-
-/// What a step has moved apart is not one vertex in the next; what it has left together is.
-TEST(Weld, FollowsAStepThatMovesPlacesApart) {
-  const Torn torn = with_islands(shapes::grid(21, 21), 10);
-  Edit edit;
-  EditStep apart = pull(torn.mesh, Vector3(4, 10, 0), 8);
-  apart.weld = false;
-  const EditStep after = pull(torn.mesh, Vector3(7, 2, 0), 8);
-  edit.steps = {apart, after};
-  const std::vector<EditResult> steps = apply_steps(torn.mesh, support::adjacency_of(torn.mesh), edit);
-  Points moved = torn.mesh.vertices;
-  scatter(steps[0].vertices, steps[0].positions, moved);
-  const Weld left(moved);
-  ASSERT_FALSE(left.empty());
-  int came_apart = 0;
-  const Weld before(torn.mesh.vertices);
-  for (int v = 0; v < static_cast<int>(moved.rows()); ++v) {
-    came_apart += before.first(v) != left.first(v);
-  }
-  EXPECT_GT(came_apart, 5);
-  TriangleMesh then{moved, torn.mesh.faces};
-  const EditResult alone = support::apply_step(then, after);
-  EXPECT_EQ(alone.vertices, steps[1].vertices);
-  EXPECT_TRUE(same_bits(alone.positions, steps[1].positions));
 }
 
 TEST(Weld, OtherVerticesOfAPlaceCanBeNamed) {
@@ -203,22 +166,20 @@ TEST(Weld, OtherVerticesOfAPlaceCanBeNamed) {
   groups.handles.front().vertices = {other};
   groups.handles.push_back({{weld.first(other)}, {}});
   EXPECT_NE(refusal(groups).find(names), std::string::npos) << refusal(groups);
-  EXPECT_NE(refusal(groups).find("\"weld\": false"), std::string::npos);
 }
 
-/// A disc of a query reaches across a seam, unless the step keeps its sides apart.
+/// A disc of a query reaches across a seam.
 TEST(Weld, QueriesReachAcross) {
   const Torn torn = with_islands(shapes::grid(21, 21), 10);
   Edit edit;
-  edit.steps.resize(2);
-  for (EditStep& step : edit.steps) {
-    step.region.radius = 5;
-    step.handles.resize(1);
-    step.handles[0].query.within = VertexQuery::Disc{Vector3(10, 10, 0), 2};
-  }
-  edit.steps[1].weld = false;
-  const Edit found = located(torn.mesh, support::adjacency_of(torn.mesh), edit);
-  EXPECT_GT(found.steps[0].handles[0].vertices.size(), found.steps[1].handles[0].vertices.size() + 3);
+  EditStep& step = edit.steps.emplace_back();
+  step.region.radius = 5;
+  step.handles.resize(1);
+  step.handles[0].query.within = VertexQuery::Disc{Vector3(10, 10, 0), 2};
+  const auto found = [&edit](const TriangleMesh& mesh) {
+    return located(mesh, support::adjacency_of(mesh), edit).steps[0].handles[0].vertices.size();
+  };
+  EXPECT_EQ(found(torn.mesh), found(torn.sound));
 }
 
 /// Of a shell with its back at the same place each pair of vertices is one, whatever the faces' orientation.

@@ -118,8 +118,8 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
   expect_contains(refusal(with_mesh("{'positions': {'vertices': '1,3', 'points': [[0, 0, 0]]}}")),
                   "mesh.positions.vertices: lists 2 vertices, but mesh.positions has points for 1; give one for each.");
   expect_contains(refusal(with_region("{'component': false}")), "region.component: expected true, found false.");
-  expect_contains(refusal(with_steps("{'region': {'radius': 1}, 'handles': [{'vertices': '1'}], 'weld': 1}")),
-                  "steps[0].weld: expected true or false, found the number 1.");
+  expect_contains(refusal(with_setting("'weld': false")), "steps[0].weld: can no longer be switched off, since");
+  EXPECT_EQ(refusal(with_setting("'weld': true")), "") << "of version 1.0";
   expect_contains(refusal(with_region("{'component': 1}")), "region.component: expected true, found the number 1.");
   expect_contains(refusal(with_region("{'radius': '20 %'}")), "radius: expected a number, found the text \"20 %\".");
   expect_contains(refusal(with_region("{'radius': 1, 'padding': []}")), "region.padding: expected a number, found a");

@@ -29,7 +29,7 @@ bool same(const EditStep& a, const EditStep& b) {
   return a.region.kind == b.region.kind && a.region.radius == b.region.radius &&
          a.region.vertices == b.region.vertices && (component || a.region.padding == b.region.padding) &&
          a.settings == b.settings && a.region.connect_gap == b.region.connect_gap && a.region.tips == b.region.tips &&
-         a.region.pieces == b.region.pieces && a.weld == b.weld && a.mirror.has_value() == b.mirror.has_value() &&
+         a.region.pieces == b.region.pieces && a.mirror.has_value() == b.mirror.has_value() &&
          (!a.mirror || (a.mirror->point == b.mirror->point && a.mirror->normal == b.mirror->normal)) &&
          std::equal(a.handles.begin(), a.handles.end(), b.handles.begin(), b.handles.end(),
                     [](const HandleGroup& g, const HandleGroup& h) {
@@ -238,12 +238,11 @@ TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
   Edit edit = read_edit(
       R"({"laplacian_edit": 1, "steps": [{"region": {"component": true, "connect": 0.02, "tips": true, "pieces": true},
       "handles": [{"vertices": "9,3-4", "weights": [1, 0.5, 0.003], "translation": [0, 0, 1]}],
-      "mirror": {"point": [0, 0.5, 0], "normal": [1, 0, 0]}, "weld": false}]})");
+      "mirror": {"point": [0, 0.5, 0], "normal": [1, 0, 0]}}]})");
   EditStep& step = edit.steps[0];
   EXPECT_EQ(step.region.connect_gap, 0.02);
   EXPECT_TRUE(step.region.tips && step.region.pieces);
   EXPECT_EQ(step.handles[0].weights, (std::vector<double>{1, 0.5, 0.003}));
-  EXPECT_FALSE(step.weld);
   ASSERT_TRUE(step.mirror);
   EXPECT_EQ(step.mirror->point, Vector3(0, 0.5, 0));
   EXPECT_EQ(step.mirror->normal, Vector3(1, 0, 0));
@@ -253,9 +252,8 @@ TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
   step.region.tips = step.region.pieces = false;
   step.handles[0].weights.clear();
   step.mirror.reset();
-  step.weld = true;
   const std::string plain = write_edit(edit);
-  for (const char* key : {"connect", "tips", "pieces", "weights", "mirror", "weld"}) {
+  for (const char* key : {"connect", "tips", "pieces", "weights", "mirror"}) {
     EXPECT_EQ(plain.find(key), std::string::npos) << plain;
   }
 }

@@ -45,6 +45,8 @@ TEST(FitJson, NeedsNoHandles) {
   EXPECT_TRUE(edit.steps[0].handles.empty());
   EXPECT_FALSE(edit.steps[0].fit->settings.align.has_value());
   EXPECT_EQ(write_edit(read_edit(write_edit(edit))), write_edit(edit));
+  EXPECT_EQ(write_edit(read_step(R"("fit": {"to": "scan.ply"}, "handles": [])")), write_edit(edit));
+  EXPECT_NE(refusal(R"("handles": [])").find("one or more handle groups"), std::string::npos);
   EXPECT_NE(write_edit(fit_scan("a.ply")).find("\"to\": \"a.ply\""), std::string::npos);
 }
 

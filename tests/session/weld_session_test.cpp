@@ -94,36 +94,5 @@ TEST(DragWeld, SelectionsOfOneSideCount) {
   EXPECT_EQ(places_apart(window.host(), window.session.original().vertices), 0);
 }
 
-TEST(DragWeld, SavedStepMayKeepPlacesApart) {
-  Window window(torn_plate());
-  const Points before = window.host();
-  EditStep apart;
-  apart.region.radius = 9;
-  apart.handles = {{{nearest_vertex(window.session.mesh(), Vector3(18, 20, 0))}, {}}};
-  apart.handles.front().transform.translation = Vector3(1, 2, 3);
-  apart.weld = false;
-  EditStep joined = apart;
-  joined.weld = true;
-  Edit edit;
-  edit.steps = {joined, apart, joined};
-  window.session.load(edit);
-  window.session.wait();
-  EXPECT_EQ(window.session.figures().steps, 3) << window.session.message();
-  const int gap = places_apart(window.host(), before);
-  EXPECT_GT(gap, 5);
-  window.expect_consistent();
-  window.undo(2);
-  EXPECT_EQ(places_apart(window.host(), before), 0);
-  window.redo(1);
-  EXPECT_EQ(places_apart(window.host(), before), gap);
-  window.expect_consistent();
-  window.session.clear();
-  window.change([](DragSettings& s) { s.radius = 6; });
-  window.drag(nearest_vertex(window.session.mesh(), Vector3(20, 33, 0)), Vector2(10, 30));
-  window.expect_consistent();
-  window.undo(3);
-  EXPECT_TRUE(same_bits(window.host(), before));
-}
-
 }  // namespace
 }  // namespace lapedit::weld_session_test

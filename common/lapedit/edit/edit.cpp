@@ -42,90 +42,84 @@ Progress progress_at(const Progress& progress, double done) {
   return [&progress, done](double, const char* stage) { return progress(done, stage); };
 }
 
-/// The poses of an edit, one per fraction. run() applies each step to all poses before it begins the next step.
+/// Runs an edit for one fraction after the other. Of each pose only the shape before the current step is kept.
 class Poses {
  public:
-  using Each = std::function<void(std::size_t pose, EditResult&&)>;
+  using Each = std::function<void(EditResult&& step)>;
 
-  Poses(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<double>& fractions, StoredScalar scalar,
-        const SolverOptions& options)
+  Poses(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit, const std::vector<double>& fractions,
+        StoredScalar scalar, const SolverOptions& options)
       : given_(mesh),
-        given_adjacency_(adjacency),
-        mesh_(mesh),
+        edit_(edit),
         fractions_(fractions),
-        vertices_(fractions.size(), mesh.vertices) {
+        joined_(joined_surface(mesh)),
+        adjacency_(joined_ ? joined_->adjacency : adjacency),
+        first_{mesh.vertices, joined_ ? joined_->faces : mesh.faces},
+        systems_(edit.steps.size()) {
     options_.scalar = scalar;
     options_.solver = options;
-    std::for_each(fractions.begin(), fractions.end(), check_fraction);
-    joined_.assign(fractions.size(), std::make_shared<const Joined>(mesh, mesh.vertices));
-  }
-
-  /// @param each  called after each step of each pose: for all poses of the first step, then of the second
-  void run(const Edit& edit, const Progress& progress, const Each& each) {
-    const std::size_t steps = edit.steps.size(), poses = fractions_.size();
-    if (steps == 0) {
+    if (edit.steps.empty()) {
       throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.");
     }
+  }
+
+  /// @param each  called after each step of the pose
+  void run(std::size_t pose, const Progress& progress, const Each& each) {
+    const std::size_t steps = edit_.steps.size();
+    vertices_ = given_.vertices;
     for (std::size_t k = 0; k < steps; ++k) {
-      for (std::size_t p = 0; p < poses; ++p) {
-        try {
-          const bool same_shape = k == 0 && p > 0;
-          run_step(edit.steps[k], p, same_shape, progress_of(progress, k * poses + p, steps * poses), each);
-        } catch (const EditError& error) {
-          refuse(error, k, steps, p);
-        }
+      try {
+        run_step(k, pose, progress_of(progress, pose * steps + k, fractions_.size() * steps), each);
+      } catch (const EditError& error) {
+        refuse(error, k, pose);
       }
     }
   }
 
-  /// Returns all vertices of a pose.
-  const Points& vertices(std::size_t p) const { return vertices_[p]; }
+  /// Returns all vertices of the last pose.
+  const Points& vertices() const { return vertices_; }
 
  private:
-  /// Makes mesh_ the shape of a pose. With `weld`, vertices at the same position count as one; only a step without
-  /// welding can separate them.
-  void see(std::size_t p, bool weld) {
-    mesh_.vertices = vertices_[p];
-    std::shared_ptr<const Joined>& surface = weld ? joined_[p] : separate_;
-    if (!surface) {
-      surface = std::make_shared<const Joined>(given_, mesh_.vertices, weld);
+  void run_step(std::size_t k, std::size_t pose, const Progress& progress, const Each& each) {
+    const double fraction = fractions_[pose];
+    const bool is_last = pose + 1 == fractions_.size();
+    std::unique_ptr<PreparedStep>& step = k == 0 || is_last ? first_step_ : later_step_;
+    if (k > 0 || pose == 0) {
+      if (k > 0) {
+        later_.vertices = vertices_;
+        later_.faces = first_.faces;
+      }
+      now_ = nullptr;
+      step = std::make_unique<PreparedStep>(k > 0 ? later_ : first_, joined_, edit_.steps[k], options_);
+      now_ = step.get();
+      // The same step of the last pose has the most in common, otherwise the step before.
+      std::shared_ptr<const LaplacianSystem>& previous = systems_[pose > 0 || k == 0 ? k : k - 1];
+      step->prepare(adjacency_, fraction, progress, previous.get());
+      if (is_last) {
+        previous = nullptr;
+      }
+      systems_[k] = step->system();
     }
-    const std::shared_ptr<const Joined> now = surface->is_given ? nullptr : surface;
-    if (now != seen_) {
-      mesh_.faces = now ? now->faces : given_.faces;
-      seen_ = now;
-    }
-  }
-
-  void run_step(const EditStep& given, std::size_t p, bool same_shape, const Progress& progress, const Each& each) {
-    if (!same_shape) {
-      see(p, given.weld);
-      const std::shared_ptr<const LaplacianSystem> previous = step_ ? step_->system() : nullptr;
-      step_ = std::make_unique<PreparedStep>(mesh_, seen_, given, options_);
-      step_->prepare(seen_ ? seen_->adjacency : given_adjacency_, fractions_[p], progress, previous.get());
-    }
+    now_ = step.get();
     EditResult result;
-    step_->pose(fractions_[p], result.vertices, result.positions, progress_at(progress, 0.9));
-    scatter(result.vertices, result.positions, vertices_[p]);
-    result.reports.push_back(step_->report(fractions_[p], vertices_[p]));
-    if (!given.weld) {
-      joined_[p] = nullptr;
-    }
-    each(p, std::move(result));
+    step->pose(fraction, result.vertices, result.positions, progress_at(progress, 0.9));
+    scatter(result.vertices, result.positions, vertices_);
+    result.reports.push_back(step->report(fraction, vertices_));
+    each(std::move(result));
     report_progress(progress, 1, "done");
   }
 
   /// Throws the error again with its step and fraction, if the edit has several, and with the name of its landmark.
-  [[noreturn]] void refuse(const EditError& error, std::size_t k, std::size_t steps, std::size_t p) const {
+  [[noreturn]] void refuse(const EditError& error, std::size_t k, std::size_t pose) const {
     const bool cancelled = error.cause() == ErrorCause::Cancelled;
     std::string sentence = error.what();
     if (fractions_.size() > 1 && !cancelled) {
-      sentence = "At fraction " + number_text(fractions_[p]) + ": " + sentence;
+      sentence = "At fraction " + number_text(fractions_[pose]) + ": " + sentence;
     }
-    if (steps > 1) {
-      sentence = "Step " + std::to_string(k + 1) + " of " + std::to_string(steps) + ": " + sentence;
+    if (edit_.steps.size() > 1) {
+      sentence = "Step " + std::to_string(k + 1) + " of " + std::to_string(edit_.steps.size()) + ": " + sentence;
     }
-    for (const HandleGroup& group : step_ ? step_->step().handles : std::vector<HandleGroup>()) {
+    for (const HandleGroup& group : now_ ? now_->step().handles : std::vector<HandleGroup>()) {
       const auto vertex = std::find(group.vertices.begin(), group.vertices.end(), error.vertex());
       const auto number = static_cast<std::size_t>(vertex - group.vertices.begin());
       if (number < group.names.size()) {
@@ -136,15 +130,16 @@ class Poses {
   }
 
   const TriangleMesh& given_;
-  const Adjacency& given_adjacency_;
-  std::vector<std::shared_ptr<const Joined>> joined_;  // per pose; null: not computed
-  std::shared_ptr<const Joined> separate_;             // without welding; null: not computed
-  std::shared_ptr<const Joined> seen_;                 // of mesh_; null: its faces are the given ones
-  TriangleMesh mesh_;                                  // the shape before the current step
+  const Edit& edit_;
   const std::vector<double>& fractions_;
+  std::shared_ptr<const Joined> joined_;  // null: the faces of the mesh
+  const Adjacency& adjacency_;
+  TriangleMesh first_, later_;  // the shapes before the first and before a later step, whose faces are joined
   StepOptions options_;
-  std::vector<Points> vertices_;        // per pose
-  std::unique_ptr<PreparedStep> step_;  // the current one
+  std::unique_ptr<PreparedStep> first_step_, later_step_;  // the first step serves all poses
+  const PreparedStep* now_ = nullptr;
+  std::vector<std::shared_ptr<const LaplacianSystem>> systems_;  // per step, of the last pose
+  Points vertices_;
 };
 
 std::string by_position_advice(const Edit& edit) {
@@ -179,19 +174,30 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
   }
 }
 
+void apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
+                const SelectedVertices& selection, const std::vector<double>& fractions, const EachPose& each,
+                StoredScalar scalar, const Progress& progress, const SolverOptions& options) {
+  std::for_each(fractions.begin(), fractions.end(), check_fraction);
+  require_same_mesh(mesh, edit);
+  const Edit numbered = located(mesh, adjacency, edit, selection);
+  Poses poses(mesh, adjacency, numbered, fractions, scalar, options);
+  for (std::size_t p = 0; p < fractions.size(); ++p) {
+    EditResult whole;
+    poses.run(p, progress, [&whole](EditResult&& step) {
+      whole.vertices = united(whole.vertices, step.vertices);
+      whole.reports.push_back(std::move(step.reports.front()));
+    });
+    whole.positions = gather(poses.vertices(), whole.vertices);
+    each(std::move(whole));
+  }
+}
+
 std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
                                    const SelectedVertices& selection, const std::vector<double>& fractions,
                                    StoredScalar scalar, const Progress& progress, const SolverOptions& options) {
-  Poses poses(mesh, adjacency, fractions, scalar, options);
-  require_same_mesh(mesh, edit);
-  std::vector<EditResult> results(fractions.size());
-  poses.run(located(mesh, adjacency, edit, selection), progress, [&](std::size_t p, EditResult&& step) {
-    results[p].vertices = united(results[p].vertices, step.vertices);
-    results[p].reports.push_back(std::move(step.reports.front()));
-  });
-  for (std::size_t p = 0; p < results.size(); ++p) {
-    results[p].positions = gather(poses.vertices(p), results[p].vertices);
-  }
+  std::vector<EditResult> results;
+  const auto keep = [&results](EditResult&& result) { results.push_back(std::move(result)); };
+  apply_edit(mesh, adjacency, edit, selection, fractions, keep, scalar, progress, options);
   return results;
 }
 
@@ -206,10 +212,11 @@ std::vector<EditResult> apply_steps(const TriangleMesh& mesh, const Adjacency& a
                                     StoredScalar scalar, const Progress& progress) {
   require_same_mesh(mesh, edit);
   const std::vector<double> whole = {1};
+  const Edit numbered = located(mesh, adjacency, edit);
   std::vector<EditResult> results;
-  Poses(mesh, adjacency, whole, scalar, {})
-      .run(located(mesh, adjacency, edit), progress,
-           [&results](std::size_t, EditResult&& result) { results.push_back(std::move(result)); });
+  Poses(mesh, adjacency, numbered, whole, scalar, {}).run(0, progress, [&results](EditResult&& result) {
+    results.push_back(std::move(result));
+  });
   return results;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,16 +21,25 @@ struct EditResult {
 /// @throws EditError (MeshMismatch) if the mesh differs from the edit's description of its mesh
 void require_same_mesh(const TriangleMesh& mesh, const Edit& edit);
 
-/// Runs an edit for several fractions of the handles' paths. Each result has the same bits as if it were computed
-/// alone. The mesh has to have passed validate(); it is not changed. The first step is prepared once for all fractions;
-/// later steps start from different shapes and reuse what still fits.
+/// Receives the results of an edit, one per fraction, in their order.
+using EachPose = std::function<void(EditResult&& pose)>;
+
+/// Runs an edit for several fractions of the handles' paths, one after the other. Each result has the same bits as if
+/// it were computed alone. The mesh has to have passed validate(); it is not changed. The first step is prepared once
+/// for all fractions; later steps start from different shapes and reuse what still fits.
 /// @param adjacency  of the mesh; @param selection for VertexQuery::selected
 /// @param fractions  0 (no change) to 1
-/// @return           one result per fraction, in their order. Preparation times of 0 in a report mean that the earlier
-///                   preparation was used
+/// @param each       called with each result before the next is computed. Preparation times of 0 in a report mean that
+///                   the earlier preparation was used
 /// @throws EditError (MeshMismatch) if the mesh differs from the edit's description of its mesh; (BadParameter) if a
 ///         fraction is outside [0, 1]; (BadScript) if there are no steps; as located(); and what a step throws, with
 ///         the numbers of step and fraction before the message when there are several
+void apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
+                const SelectedVertices& selection, const std::vector<double>& fractions, const EachPose& each,
+                StoredScalar scalar = StoredScalar::Double, const Progress& progress = {},
+                const SolverOptions& options = {});
+
+/// Returns all these results.
 std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
                                    const SelectedVertices& selection, const std::vector<double>& fractions,
                                    StoredScalar scalar = StoredScalar::Double, const Progress& progress = {},

@@ -52,6 +52,18 @@ void require_one_for_each(std::size_t count, const char* what, const HandleGroup
   }
 }
 
+/// Throws if the path of a group is so long that fourth powers of lengths are no numbers.
+void require_length(const HandleMotion& motion, const Vector3& centre, std::size_t number) {
+  constexpr double kLongest = 1e60;
+  const double length = motion.targets.rows() > 0 ? motion.targets.cwiseAbs().maxCoeff()
+                                                  : (motion.map * centre - centre).cwiseAbs().maxCoeff();
+  if (!(length <= kLongest)) {
+    throw EditError(ErrorCause::BadParameter, group_name(number) + format_text(" is to move by %.3g, but an edit needs "
+                                                                               "paths below %.0e: move it less.",
+                                                                               length, kLongest));
+  }
+}
+
 /// Throws if the maps of some groups mirror and those of others do not. Ignores single vertices, which have no
 /// orientation.
 void refuse_mirrored(const EditStep& step, const std::vector<HandleMotion>& motions) {
@@ -135,11 +147,13 @@ std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& s
   std::vector<HandleMotion> motions;
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
     const HandleGroup& handle = step.handles[g];
-    HandleMotion motion = resolve(handle.transform, centroid(mesh.vertices, handle.vertices));
+    const Vector3 centre = centroid(mesh.vertices, handle.vertices);
+    HandleMotion motion = resolve(handle.transform, centre);
     check_handle(handle, g);
     motion.fraction = fraction;
     require_finite_targets(handle, g);
     targets_to(handle.vertices, handle.targets, mesh, motion.targets);
+    require_length(motion, centre, g);
     motions.push_back(std::move(motion));
   }
   refuse_mirrored(step, motions);
@@ -177,7 +191,7 @@ EditStep welded(EditStep step, const Weld& weld) {
                             (other.group != g ? "are in handle groups " + std::to_string(other.group) + " and " +
                                                     std::to_string(g) + ": name them in one of these"
                                               : "have different targets: give them the same") +
-                            ", or keep them apart with \"weld\": false in the step.",
+                            ".",
                         group.vertices[k]);
       }
     }

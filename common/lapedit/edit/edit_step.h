@@ -67,7 +67,6 @@ struct EditStep {
   std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
   VertexQuery region_query = {};           ///< in place of region.vertices, until they are located
   std::optional<FitStep> fit = {};         ///< handles are landmarks with targets, or none
-  bool weld = true;                        ///< whether vertices at the same place are one, see Weld
 };
 
 /// A sequence of steps, with a description of its mesh.
@@ -89,9 +88,9 @@ Vector3 centroid(const Points& vertices, const std::vector<int>& group);
 std::vector<std::vector<int>> groups_of(const EditStep& step);
 std::vector<std::vector<double>> weights_of(const EditStep& step);
 /// Returns the motions of the groups, whose vertices have to be sorted. @param fraction  of the path, 0 to 1.
-/// @throws EditError as centroid() and resolve(); (BadParameter) as check_handles(), and if the map of a group mirrors
-///         but not those of all groups of several vertices, since the surface between them would turn inside out;
-///         (NotFinite)
+/// @throws EditError as centroid() and resolve(); (BadParameter) as check_handles(), if a path is longer than 1e60, and
+///         if the map of a group mirrors but not those of all groups of several vertices, since the surface between
+///         them would turn inside out; (NotFinite)
 std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& step, double fraction = 1);
 
 /// Computes HandleMotion::targets: one row per vertex, or none if all targets are the vertices' own positions, so that

@@ -135,19 +135,14 @@ void convert_group(HandleGroup& group, const std::string& mesh_space) {
   spaces.targets = has_targets ? space : spaces.targets;
 }
 
-/// Finds the vertices of the steps for which `concerns` returns true.
-template <class Concerns>
-void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const SelectedVertices& selection, Edit& edit,
-                  const Concerns& concerns) {
+/// Finds the vertices of the steps.
+void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const SelectedVertices& selection, Edit& edit) {
   const VertexFinder finder(mesh);
   std::optional<VertexTransfer> to_here;
   if (edit.by_position()) {
     to_here.emplace(mesh, adjacency, finder, edit.positions);
   }
   for (EditStep& step : edit.steps) {
-    if (!concerns(step)) {
-      continue;
-    }
     if (!step.region_query.empty()) {
       step.region.vertices = step.region_query.within
                                  ? within(mesh, adjacency, finder, *step.region_query.within, "The region's point")
@@ -172,6 +167,7 @@ void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Se
 }  // namespace
 
 Edit in_space(Edit edit, const std::string& mesh_space) {
+  require_known_space(mesh_space);
   for (EditStep& step : edit.steps) {
     for (HandleGroup& group : step.handles) {
       convert_group(group, mesh_space);
@@ -184,13 +180,10 @@ Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, co
   if (!edit.by_position() && std::none_of(edit.steps.begin(), edit.steps.end(), has_query)) {
     return edit;
   }
-  for (const bool welds : {true, false}) {
-    const auto chosen = [welds](const EditStep& step) { return step.weld == welds; };
-    if (std::any_of(edit.steps.begin(), edit.steps.end(), chosen)) {
-      const Joined joined(mesh, mesh.vertices, welds);
-      joined.is_given ? locate_steps(mesh, adjacency, selection, edit, chosen)
-                      : locate_steps({mesh.vertices, joined.faces}, joined.adjacency, selection, edit, chosen);
-    }
+  if (const auto joined = joined_surface(mesh); joined != nullptr) {
+    locate_steps({mesh.vertices, joined->faces}, joined->adjacency, selection, edit);
+  } else {
+    locate_steps(mesh, adjacency, selection, edit);
   }
   edit.positions = VertexPositions();
   return edit;

@@ -245,6 +245,7 @@ struct Keys {
   const JsonValue* from = nullptr;
   Json* to = nullptr;
   std::vector<const char*> names = {};
+  const char* former_key = "";
 
   /// Handles an optional key. @return whether it was read or written
   template <class Value>
@@ -263,6 +264,14 @@ struct Keys {
   void need(const char* key, Value& value) {
     if (!may(key, value) && from != nullptr) {
       read((*from)[key], value);  // throws, since the key is missing
+    }
+  }
+
+  /// Ignores a key of an earlier version if its value is `true`, the default.
+  void former(const char* key, const char* why) {
+    former_key = key;
+    if (has(key) && !((*from)[key].json == true)) {
+      refuse(key, why);
     }
   }
 
@@ -316,7 +325,7 @@ template <class Object>
 void read(const JsonValue& from, Object& object) {
   Keys names, keys{&from};
   visit(names, object);
-  from.require_object(names.names);
+  from.require_object(names.names, names.former_key);
   visit(keys, object);
 }
 
@@ -494,30 +503,15 @@ void visit(Keys& keys, MirrorPlane& mirror) {
   keys.need("normal", mirror.normal);
 }
 
-/// A Boolean that may be true or false; the others may only be true.
-struct Switch {
-  bool& is_on;
-};
-
-void read(const JsonValue& value, Switch& found) {
-  if (!value.json.is_boolean()) {
-    value.refuse_kind("true or false");
-  }
-  found.is_on = value.json.get<bool>();
-}
-
-Json json_of(Switch& from) {
-  return from.is_on;
-}
-
 void visit(Keys& keys, EditStep& step) {
   RegionKeys region = {step};
   keys.need("region", region);
   keys.may("fit", step.fit, step.fit.has_value());
-  if (step.fit || (keys.from == nullptr && keys.to == nullptr)) {
-    keys.may("handles", step.handles, !step.handles.empty());
-  } else {
+  const bool has_no_landmarks = step.fit && keys.has("handles") && (*keys.from)["handles"].json == Json::array();
+  if (!step.fit && (keys.from != nullptr || keys.to != nullptr)) {
     keys.need("handles", step.handles);
+  } else if (!has_no_landmarks) {
+    keys.may("handles", step.handles, !step.handles.empty());
   }
   keys.may("mirror", step.mirror, step.mirror.has_value());
   for (std::size_t g = 0; step.fit && g < step.handles.size(); ++g) {
@@ -530,8 +524,9 @@ void visit(Keys& keys, EditStep& step) {
       keys.refuse("handles", "slide goes with a fit only, since targets slide along its scan.");
     }
   }
-  Switch weld = {step.weld};
-  keys.may("weld", weld, !step.weld);
+  keys.former("weld",
+              "can no longer be switched off, since vertices at the same place always move as one; remove the key, and "
+              "move vertices that shall come apart to different places, or into different files, before the edit.");
   for (const Setting& setting : settings_table()) {
     visit(keys, setting, step.settings);
   }

@@ -30,12 +30,12 @@ void JsonValue::refuse_kind(const std::string& expected) const {
          ".");
 }
 
-void JsonValue::require_object(const std::vector<const char*>& known_keys) const {
+void JsonValue::require_object(const std::vector<const char*>& known_keys, const char* former) const {
   if (!json.is_object()) {
     refuse_kind("an object");
   }
   for (const auto& [key, ignored] : json.get_ref<const Json::object_t&>()) {
-    if (std::find(known_keys.begin(), known_keys.end(), key) == known_keys.end()) {
+    if (key != former && std::find(known_keys.begin(), known_keys.end(), key) == known_keys.end()) {
       std::string list;
       for (const char* known : known_keys) {
         list += (list.empty() ? "" : ", ") + std::string(known);

@@ -25,8 +25,8 @@ struct JsonValue {
   [[noreturn]] void refuse(const std::string& sentence) const { refuse_json(where + ": " + sentence); }
   /// Refuses a value that is missing or of another kind.
   [[noreturn]] void refuse_kind(const std::string& expected) const;
-  /// Refuses values that are no objects, and unknown keys.
-  void require_object(const std::vector<const char*>& known_keys) const;
+  /// Refuses values that are no objects, and unknown keys. @param former  another key, which messages do not list
+  void require_object(const std::vector<const char*>& known_keys, const char* former = "") const;
 };
 
 using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;

@@ -98,14 +98,15 @@ void Weld::add_others(std::vector<int>& vertices, Points& positions) const {
   }
 }
 
-Joined::Joined(const TriangleMesh& mesh, const Points& vertices, bool welds)
-    : weld(welds ? Weld(vertices) : Weld()), faces(weld.faces(mesh.faces)) {
-  is_given = !keep_distinct(faces) && weld.empty();
-  if (is_given) {
-    faces = {};
-  } else {
-    adjacency = build_adjacency(static_cast<int>(vertices.rows()), faces);
+std::shared_ptr<const Joined> joined_surface(const TriangleMesh& mesh) {
+  Joined joined;
+  joined.weld = Weld(mesh.vertices);
+  joined.faces = joined.weld.faces(mesh.faces);
+  if (!keep_distinct(joined.faces) && joined.weld.empty()) {
+    return nullptr;
   }
+  joined.adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), joined.faces);
+  return std::make_shared<const Joined>(std::move(joined));
 }
 
 }  // namespace lapedit

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "lapedit/mesh/adjacency.h"
@@ -39,13 +40,11 @@ class Weld {
 /// The surface of a mesh, as an edit sees it: vertices at the same place are one, and each face counts once.
 struct Joined {
   Weld weld;
-  bool is_given;        ///< whether the faces are those of the mesh; the following are empty then
   Faces faces;          ///< on first vertices, see keep_distinct()
   Adjacency adjacency;  ///< of these
-
-  /// @param vertices  in place of the mesh's own
-  /// @param welds     false: vertices at the same place are several
-  Joined(const TriangleMesh& mesh, const Points& vertices, bool welds = true);
 };
+
+/// Returns the surface of a mesh; null if its own faces are that surface.
+std::shared_ptr<const Joined> joined_surface(const TriangleMesh& mesh);
 
 }  // namespace lapedit

@@ -39,32 +39,17 @@ SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, const Session
       find_targets(callbacks.find_targets),
       settings(settings_for(history.original())),
       background(callbacks.wake ? callbacks.wake : [] {}) {
-  join();
+  if (const auto joined = joined_surface(history.original()); joined != nullptr) {
+    history.set_faces(joined->faces);
+    adjacency = {joined, &joined->adjacency};
+    weld = joined->weld;
+  }
 }
 
 std::shared_ptr<const TriangleMesh> SessionModel::given_mesh() const {
   return adjacency == given_adjacency
              ? history.mesh()
              : std::make_shared<const TriangleMesh>(TriangleMesh{mesh().vertices, history.original().faces});
-}
-
-void SessionModel::join() {
-  Joined joined(history.original(), mesh().vertices);
-  if (!joined.is_given) {
-    history.set_faces(std::move(joined.faces));
-    adjacency = std::make_shared<const Adjacency>(std::move(joined.adjacency));
-  } else if (adjacency != given_adjacency) {
-    history.set_faces(history.original().faces);
-    adjacency = given_adjacency;
-  }
-  weld = std::move(joined.weld);
-  shown_.clear();
-}
-
-void SessionModel::join_after(const EditStep& step) {
-  if (!step.weld) {
-    join();
-  }
 }
 
 EditResult SessionModel::with_others(const std::vector<int>& vertices, const Points& positions) const {
@@ -173,7 +158,6 @@ const AppliedStep* SessionModel::undo() {
     return nullptr;
   }
   const AppliedStep& step = history.undo();
-  join_after(step.step);
   show(step.vertices, step.before, true);
   return &step;
 }
@@ -185,7 +169,6 @@ const AppliedStep* SessionModel::redo() {
     return nullptr;
   }
   const AppliedStep& step = history.redo();
-  join_after(step.step);
   show(step.vertices, step.after, true);
   return &step;
 }

@@ -90,8 +90,6 @@ struct SessionModel {
   HoverSearch* search() { return background.of(history.mesh(), adjacency); }
   /// Returns the mesh with the faces of the original.
   std::shared_ptr<const TriangleMesh> given_mesh() const;
-  /// Finds vertices at the same position again, if the step that was applied or undone can have separated them.
-  void join_after(const EditStep& step);
   /// Returns a pose with all other vertices at the positions of its vertices.
   EditResult with_others(const std::vector<int>& vertices, const Points& positions) const;
   const std::vector<std::vector<int>>& groups() const { return selection.groups; }
@@ -120,8 +118,6 @@ struct SessionModel {
   const PoseChange* take_change();
 
  private:
-  void join();
-
   PoseChange change_;
   std::vector<int> shown_, rows_;  // the vertices shown last, and the index in them of each vertex of change_
   bool changed_ = false;           // since the last take_change()

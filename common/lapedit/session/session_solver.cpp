@@ -389,12 +389,10 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
   Edit& edit = std::get<Loading>(phase_).edit;
   for (std::size_t k = 0; k < results.size(); ++k) {
     EditStep& step = edit.steps[k];
-    const AppliedStep& applied = model_.history.apply(
-        step.weld ? welded(std::move(step), model_.weld) : std::move(step), results[k].vertices, results[k].positions);
-    model_.join_after(applied.step);
+    const AppliedStep& applied =
+        model_.history.apply(welded(std::move(step), model_.weld), results[k].vertices, results[k].positions);
     Selection& selection = model_.selection;
-    selection = applied.step.weld ? selection_of(applied.step, applied.path.moved, selection, model_.settings)
-                                  : cleared(selection);
+    selection = selection_of(applied.step, applied.path.moved, selection, model_.settings);
     Action action{messages::saved_step(applied.path.whole, applied.path.moved), true, selection};
     if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
       selection = with_vertices(std::move(selection), model_.weld.firsts(applied.vertices), model_.settings);

@@ -270,7 +270,8 @@ def plain(value: Any, vertices: int, where: str = "", key: str = "") -> Any:
     if isinstance(value, Mapping):
         return {str(name): plain(each, vertices, f"{where}.{name}" if where else str(name), str(name))
                 for name, each in value.items()}
-    if key in _VERTEX_KEYS and where != "mesh.vertices" and not isinstance(value, str):
+    has_ranges = isinstance(value, (list, tuple)) and any(isinstance(each, str) for each in value)
+    if key in _VERTEX_KEYS and where != "mesh.vertices" and not isinstance(value, str) and not has_ranges:
         return ",".join(map(str, numbers_of(value, vertices, where).tolist()))
     if key in _POINT_KEYS and not isinstance(value, str):
         return points_of(value, where).tolist()
