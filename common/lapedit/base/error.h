@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
@@ -31,10 +32,39 @@ class EditError : public std::runtime_error {
       : std::runtime_error(sentence), cause_(cause), vertex_(vertex) {}
   ErrorCause cause() const { return cause_; }
   int vertex() const { return vertex_; }
+  /// Returns the key of the edit that the message is about, such as "steps[0].region.radius"; empty: none.
+  const std::string& key() const { return key_; }
+  /// Sets the key, or puts a key before the one that is set.
+  EditError& at(const std::string& key) {
+    key_ = key_.empty() ? key : key + "." + key_;
+    return *this;
+  }
 
  private:
   ErrorCause cause_;
   int vertex_;
+  std::string key_;
 };
+
+/// Calls work(), and adds a key to an EditError that it throws, see EditError::at().
+template <class Key, class Work>
+auto keyed(const Key& key, const Work& work) {
+  try {
+    return work();
+  } catch (EditError& error) {
+    error.at(key);
+    throw;
+  }
+}
+/// The same for an entry of a list, as "handles[1]".
+template <class Key, class Work>
+auto keyed(const Key& list, std::size_t entry, const Work& work) {
+  try {
+    return work();
+  } catch (EditError& error) {
+    error.at(std::string(list) + "[" + std::to_string(entry) + "]");
+    throw;
+  }
+}
 
 }  // namespace lapedit

@@ -136,18 +136,21 @@ void validate(const EditSettings& settings) {
     const double value = setting.get(settings);
     if (!(value >= setting.low && value <= setting.high)) {
       throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject + " is " + number_text(value) +
-                                                    ": give " + setting.range + ".");
+                                                    ": give " + setting.range + ".")
+          .at(setting.key);
     }
     if (!setting.applies(settings.method) && value != setting.get(EditSettings())) {
       throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject +
                                                     " has no meaning with the method " + name(settings.method) +
-                                                    ": leave it out, or use the method " + name(*setting.only) + ".");
+                                                    ": leave it out, or use the method " + name(*setting.only) + ".")
+          .at(setting.key);
     }
     const double usual = setting.get(EditSettings::of(settings.method));
     if (setting.fixed == settings.method && value != usual) {
       throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject + " is " + number_text(value) +
                                                     ", but the method " + name(settings.method) + " has " +
-                                                    number_text(usual) + " only: leave it out, or use another method.");
+                                                    number_text(usual) + " only: leave it out, or use another method.")
+          .at(setting.key);
     }
   }
 }

@@ -90,20 +90,23 @@ void GroupPaths::find_hanging() {
 void GroupPaths::check(const std::vector<HandleMotion>& motions) const {
   if (motions.size() < groups_.size()) {
     throw EditError(ErrorCause::NoHandle, std::to_string(motions.size()) + " handle motions were given for " +
-                                              std::to_string(groups_.size()) + " handle groups: give one for each.");
+                                              std::to_string(groups_.size()) + " handle groups: give one for each.")
+        .at("handles");
   }
   for (std::size_t g = 0; g < motions.size(); ++g) {
     const HandleMotion& motion = motions[g];
     if (!motion.map.matrix().allFinite() || !motion.targets.allFinite() || !std::isfinite(motion.fraction)) {
       throw EditError(ErrorCause::NotFinite,
-                      "The target of handle group " + std::to_string(g) + " is not finite: give finite coordinates.");
+                      "The target of handle group " + std::to_string(g) + " is not finite: give finite coordinates.")
+          .at("handles[" + std::to_string(g) + "]");
     }
     if (g < groups_.size() && motion.targets.rows() > 0 &&
         motion.targets.rows() != static_cast<Eigen::Index>(groups_[g].vertices.size())) {
       throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) + " has " +
                                                     std::to_string(groups_[g].vertices.size()) + " vertices and " +
                                                     std::to_string(motion.targets.rows()) +
-                                                    " targets: give one target for each vertex.");
+                                                    " targets: give one target for each vertex.")
+          .at("handles[" + std::to_string(g) + "].targets");
     }
   }
 }

@@ -11,10 +11,11 @@
 namespace lapedit {
 namespace {
 
-void require_finite(bool finite, const char* what) {
+void require_finite(bool finite, const char* what, const char* key) {
   if (!finite) {
     throw EditError(ErrorCause::NotFinite,
-                    std::string("The handle's ") + what + " is not a finite number: give a finite one.");
+                    std::string("The handle's ") + what + " is not a finite number: give a finite one.")
+        .at(key);
   }
 }
 
@@ -36,21 +37,23 @@ bool mirrors(const Matrix3& linear) {
 
 HandleMotion resolve(const HandleTransform& transform, const Vector3& centroid) {
   if (transform.matrix) {
-    require_finite(transform.matrix->allFinite(), "matrix");
+    require_finite(transform.matrix->allFinite(), "matrix", "matrix");
   }
-  require_finite(transform.translation.allFinite(), "translation");
-  require_finite(transform.axis.allFinite(), "rotation axis");
-  require_finite(std::isfinite(transform.degrees), "rotation angle");
-  require_finite(std::isfinite(transform.scale), "scale");
-  require_finite(!transform.center || transform.center->allFinite(), "rotation center");
+  require_finite(transform.translation.allFinite(), "translation", "translation");
+  require_finite(transform.axis.allFinite(), "rotation axis", "rotation.axis");
+  require_finite(std::isfinite(transform.degrees), "rotation angle", "rotation.degrees");
+  require_finite(std::isfinite(transform.scale), "scale", "scale");
+  require_finite(!transform.center || transform.center->allFinite(), "rotation center", "rotation.center");
   if (!(transform.scale > 0)) {
     throw EditError(ErrorCause::BadParameter,
-                    "The handle's scale is " + std::to_string(transform.scale) + ": it has to be greater than 0.");
+                    "The handle's scale is " + std::to_string(transform.scale) + ": it has to be greater than 0.")
+        .at("scale");
   }
   const double axis_length = transform.axis.stableNorm();
   if (transform.degrees != 0 && !(axis_length > 0)) {
     throw EditError(ErrorCause::BadParameter,
-                    "The handle's rotation axis is (0, 0, 0): give a direction, for example (0, 0, 1).");
+                    "The handle's rotation axis is (0, 0, 0): give a direction, for example (0, 0, 1).")
+        .at("rotation.axis");
   }
   HandleMotion motion;
   if (transform.matrix) {

@@ -20,7 +20,8 @@ namespace {
 void check_fraction(double fraction) {
   if (!(fraction >= 0 && fraction <= 1)) {
     throw EditError(ErrorCause::BadParameter, "The fraction is " + number_text(fraction) +
-                                                  ": give a number from 0 (no change) to 1 (the whole edit).");
+                                                  ": give a number from 0 (no change) to 1 (the whole edit).")
+        .at("fraction");
   }
 }
 
@@ -59,7 +60,7 @@ class Poses {
     options_.scalar = scalar;
     options_.solver = options;
     if (edit.steps.empty()) {
-      throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.");
+      throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.").at("steps");
     }
   }
 
@@ -126,7 +127,11 @@ class Poses {
         sentence += " Vertex " + std::to_string(*vertex) + " is the landmark \"" + group.names[number] + "\".";
       }
     }
-    throw EditError(error.cause(), sentence);
+    EditError refusal(error.cause(), sentence, error.vertex());
+    if (!error.key().empty()) {
+      refusal.at("steps[" + std::to_string(k) + "]." + error.key());
+    }
+    throw refusal;
   }
 
   const TriangleMesh& given_;
@@ -161,7 +166,8 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
             (edit.mesh_vertices ? std::to_string(*edit.mesh_vertices) : std::string("any number of")) +
             " vertices and " + (edit.mesh_faces ? std::to_string(*edit.mesh_faces) : std::string("any number of")) +
             " faces, but this one has " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
-            " faces: open the mesh that the edit was made for" + by_position_advice(edit) + ".");
+            " faces: open the mesh that the edit was made for" + by_position_advice(edit) + ".")
+        .at("mesh");
   }
   if (!edit.connectivity.empty()) {
     const std::string checksum = connectivity_checksum(static_cast<std::size_t>(vertices), mesh.faces);
@@ -169,7 +175,8 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
       throw EditError(ErrorCause::MeshMismatch, "The edit was made for a mesh of connectivity " + edit.connectivity +
                                                     ", but this one, of the same size, has " + checksum +
                                                     ": its vertices or faces are in another order" +
-                                                    by_position_advice(edit) + ".");
+                                                    by_position_advice(edit) + ".")
+          .at("mesh.connectivity");
     }
   }
 }

@@ -18,6 +18,10 @@ std::string group_name(std::size_t number) {
   return "Handle group " + std::to_string(number);
 }
 
+std::string key_of(std::size_t group, const std::string& key) {
+  return "handles[" + std::to_string(group) + "]." + key;
+}
+
 /// Throws if a single vertex is to be rotated or scaled about itself, which would have no effect.
 void check_handle(const HandleGroup& handle, std::size_t number) {
   const HandleTransform& transform = handle.transform;
@@ -28,7 +32,8 @@ void check_handle(const HandleGroup& handle, std::size_t number) {
                                  : "cannot be scaled by " + number_text(transform.scale);
     throw EditError(ErrorCause::BadParameter, group_name(number) + " is vertex " +
                                                   std::to_string(handle.vertices.front()) + " alone, which " + what +
-                                                  " about itself: name several vertices, or give a translation.");
+                                                  " about itself: name several vertices, or give a translation.")
+        .at(transform.degrees != 0 ? "rotation" : "scale");
   }
 }
 
@@ -38,7 +43,8 @@ void require_finite_targets(const HandleGroup& handle, std::size_t number) {
       throw EditError(ErrorCause::NotFinite,
                       "The target of vertex " + std::to_string(handle.vertices[k]) + " in handle group " +
                           std::to_string(number) + " is not finite: give finite coordinates.",
-                      handle.vertices[k]);
+                      handle.vertices[k])
+          .at("targets");
     }
   }
 }
@@ -48,7 +54,8 @@ void require_one_for_each(std::size_t count, const char* what, const HandleGroup
     throw EditError(ErrorCause::BadParameter, group_name(number) + " has " + std::to_string(handle.vertices.size()) +
                                                   " vertices and " + std::to_string(count) + " " + what +
                                                   "s: give one " + what +
-                                                  " for each vertex, in the same order, or none.");
+                                                  " for each vertex, in the same order, or none.")
+        .at(key_of(number, (std::string(what) + "s").c_str()));
   }
 }
 
@@ -81,7 +88,8 @@ void refuse_mirrored(const EditStep& step, const std::vector<HandleMotion>& moti
         "The matrix of handle group " + std::to_string(*mirrored) +
             " mirrors, since its determinant is negative, but handle group " + std::to_string(*other) +
             " does not mirror, so the surface between them would turn inside out: give a matrix of positive "
-            "determinant, or mirror every group.");
+            "determinant, or mirror every group.")
+        .at(key_of(*mirrored, "matrix"));
   }
 }
 
@@ -114,7 +122,8 @@ void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& ta
 
 Vector3 centroid(const Points& vertices, const std::vector<int>& group) {
   if (group.empty()) {
-    throw EditError(ErrorCause::NoHandle, "A handle group has no vertices: name at least one vertex to move.");
+    throw EditError(ErrorCause::NoHandle, "A handle group has no vertices: name at least one vertex to move.")
+        .at("vertices");
   }
   for (const int v : group) {
     require_vertex("Handle vertex", v, vertices.rows());
@@ -148,10 +157,13 @@ std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& s
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
     const HandleGroup& handle = step.handles[g];
     const Vector3 centre = centroid(mesh.vertices, handle.vertices);
-    HandleMotion motion = resolve(handle.transform, centre);
-    check_handle(handle, g);
+    HandleMotion motion = keyed("handles", g, [&] {
+      HandleMotion resolved = resolve(handle.transform, centre);
+      check_handle(handle, g);
+      require_finite_targets(handle, g);
+      return resolved;
+    });
     motion.fraction = fraction;
-    require_finite_targets(handle, g);
     targets_to(handle.vertices, handle.targets, mesh, motion.targets);
     require_length(motion, centre, g);
     motions.push_back(std::move(motion));
@@ -162,7 +174,7 @@ std::vector<HandleMotion> motions_of(const TriangleMesh& mesh, const EditStep& s
 
 void check_handles(const EditStep& step) {
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
-    check_handle(step.handles[g], g);
+    keyed("handles", g, [&] { check_handle(step.handles[g], g); });
   }
 }
 
@@ -192,7 +204,8 @@ EditStep welded(EditStep step, const Weld& weld) {
                                                     std::to_string(g) + ": name them in one of these"
                                               : "have different targets: give them the same") +
                             ".",
-                        group.vertices[k]);
+                        group.vertices[k])
+            .at(key_of(g, "vertices"));
       }
     }
   }
@@ -229,9 +242,11 @@ void sort_group(HandleGroup& group, std::size_t number) {
     if (kept.empty() || group.vertices[k] != group.vertices[kept.back()]) {
       kept.push_back(k);
     } else if (!group.targets.empty() && group.targets[k] != group.targets[kept.back()]) {
-      throw EditError(ErrorCause::BadParameter, group_name(number) + " has vertex " +
-                                                    std::to_string(group.vertices[k]) +
-                                                    " twice, with different targets: give one target for it.");
+      throw EditError(ErrorCause::BadParameter,
+                      group_name(number) + " has vertex " + std::to_string(group.vertices[k]) +
+                          " twice, with different targets: give one target for it.",
+                      group.vertices[k])
+          .at(key_of(number, "targets"));
     }
   }
   keep(group.vertices, kept);

@@ -25,7 +25,8 @@ std::vector<FitLandmark> landmarks_of(const EditStep& step) {
     if (group.targets.size() != group.vertices.size()) {
       throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) +
                                                     " of the fit has no targets: give landmarks, or targets for its "
-                                                    "vertices or points.");
+                                                    "vertices or points.")
+          .at("handles[" + std::to_string(g) + "].targets");
     }
     for (std::size_t k = 0; k < group.vertices.size(); ++k) {
       landmarks.push_back(
@@ -48,7 +49,7 @@ Region fit_region(const TriangleMesh& mesh, const Adjacency& adjacency, const Re
   const bool whole = spec.kind == RegionSpec::Kind::Component;
   std::vector<char> kinds(static_cast<std::size_t>(mesh.vertices.rows()), whole ? 1 : 0);
   for (const int v : spec.vertices) {
-    require_vertex("Vertex", v, mesh.vertices.rows());
+    require_vertex("Vertex", v, mesh.vertices.rows(), "region.vertices");
     kinds[static_cast<std::size_t>(v)] = 1;
   }
   std::vector<int> labels, middles;
@@ -108,9 +109,10 @@ void measure(const Region& region, const Points& before, const Points& after, co
 }  // namespace
 
 Edit with_scans(Edit edit, const ScanReader& reader) {
-  for (EditStep& step : edit.steps) {
-    if (step.fit && !step.fit->scan) {
-      step.fit->scan = std::make_shared<const Scan>(reader(*step.fit));
+  for (std::size_t k = 0; k < edit.steps.size(); ++k) {
+    if (std::optional<FitStep>& fit = edit.steps[k].fit; fit && !fit->scan) {
+      const ScanData data = reader(*fit);
+      keyed("steps", k, [&] { keyed("fit.to", [&] { fit->scan = std::make_shared<const Scan>(data); }); });
     }
   }
   return edit;
@@ -121,11 +123,13 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   if (!step.fit->scan) {
     throw EditError(ErrorCause::BadParameter, "The scan \"" + step.fit->to +
                                                   "\" of the fit was not read here: use the "
-                                                  "program laplacian-edit or the filter Laplacian Fit.");
+                                                  "program laplacian-edit or the filter Laplacian Fit.")
+        .at("fit.to");
   }
   if (step.mirror) {
     throw EditError(ErrorCause::BadParameter,
-                    "A fit cannot be mirrored, since the scan decides on both sides: remove the key mirror.");
+                    "A fit cannot be mirrored, since the scan decides on both sides: remove the key mirror.")
+        .at("mirror");
   }
   std::vector<FitLandmark> landmarks = landmarks_of(step);
   std::vector<int> handle;
@@ -144,7 +148,7 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   }
   std::vector<int> excluded;
   for (const int v : step.fit->exclude) {
-    require_vertex("Excluded vertex", v, mesh.vertices.rows());
+    require_vertex("Excluded vertex", v, mesh.vertices.rows(), "fit.exclude.vertices");
     if (contains(region.mesh_vertex, v)) {
       excluded.push_back(static_cast<int>(index_in(region.mesh_vertex, v)));
     }

@@ -21,7 +21,9 @@ namespace {
                       " handle vertices have no vertex near their mirrored positions, the first is vertex " +
                       std::to_string(missing[0]) + " at (" + number_text(position[0]) + ", " +
                       number_text(position[1]) + ", " + number_text(position[2]) +
-                      "): move the mirror plane, or edit without it.");
+                      "): move the mirror plane, or edit without it.",
+                  missing[0])
+      .at("mirror");
 }
 
 Vector3 rotation_vector(const Matrix3& rotation) {

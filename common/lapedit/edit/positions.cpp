@@ -29,6 +29,12 @@ std::string name_of(const HandleGroup& group, std::size_t number, std::size_t k)
                                 : "Point " + std::to_string(k) + " of handle group " + std::to_string(number);
 }
 
+/// Returns the key of a point or landmark. Points with targets have the names of their keys.
+std::string key_of(const HandleGroup& group, std::size_t k) {
+  const bool is_landmark = k < group.names.size() && group.names[k].find("].points[") == std::string::npos;
+  return is_landmark ? "landmarks" : "points[" + std::to_string(k) + "]";
+}
+
 /// Replaces vertex numbers of the mesh that the edit was made for by numbers of this mesh.
 /// @param group  sorted
 void transfer(const VertexTransfer& to_here, HandleGroup& group, std::vector<int>& taken) {
@@ -61,10 +67,12 @@ void refuse_doubles(const HandleGroup& group, std::size_t number) {
   for (std::size_t k = 0; k < group.vertices.size(); ++k) {
     const auto [found, is_new] = first.emplace(group.vertices[k], k);
     if (!is_new) {
-      throw EditError(ErrorCause::BadParameter, name_of(group, number, found->second) + " and " +
-                                                    name_of(group, number, k) + " are both nearest to vertex " +
-                                                    std::to_string(group.vertices[k]) +
-                                                    ": keep one of them, or use a finer mesh.");
+      throw EditError(ErrorCause::BadParameter,
+                      name_of(group, number, found->second) + " and " + name_of(group, number, k) +
+                          " are both nearest to vertex " + std::to_string(group.vertices[k]) +
+                          ": keep one of them, or use a finer mesh.",
+                      group.vertices[k])
+          .at(key_of(group, k));
     }
   }
 }
@@ -73,14 +81,18 @@ std::vector<int> selected(const std::vector<int>& first, const std::vector<int>&
   if (first.empty() && second.empty()) {
     throw EditError(ErrorCause::NoHandle,
                     "No vertex and no face is selected, but " + std::string(what) +
-                        " is the selection: select vertices or faces, or save the mesh with its selection.");
+                        " is the selection: select vertices or faces, or save the mesh with its selection.")
+        .at("selected");
   }
   return first.empty() ? second : first;
 }
 
 std::vector<int> within(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFinder& finder,
                         const VertexQuery::Disc& disc, const std::string& what) {
-  return vertices_within(mesh, adjacency, finder.on_surface(disc.point, what).vertex, disc.radius);
+  return keyed("within", [&] {
+    const int vertex = keyed("point", [&] { return finder.on_surface(disc.point, what).vertex; });
+    return vertices_within(mesh, adjacency, vertex, disc.radius);
+  });
 }
 
 constexpr double kTargetsFar = 5, kTargetsNear = 0.5;  // distances from the surface, over its diagonal
@@ -108,7 +120,8 @@ void locate(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFi
   }
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vector3& point = points[k];
-    const int vertex = finder.on_surface(point, name_of(group, number, k), advice).vertex;
+    const int vertex =
+        keyed(key_of(group, k), [&] { return finder.on_surface(point, name_of(group, number, k), advice).vertex; });
     group.vertices.push_back(vertex);
     if (const Vector3 position = mesh.vertices.row(vertex).transpose(); k < group.targets.size() && position != point) {
       group.targets[k] += position - point;
@@ -142,11 +155,15 @@ void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Se
   if (edit.by_position()) {
     to_here.emplace(mesh, adjacency, finder, edit.positions);
   }
-  for (EditStep& step : edit.steps) {
+  for (std::size_t s = 0; s < edit.steps.size(); ++s) {
+    EditStep& step = edit.steps[s];
+    const std::string key = "steps[" + std::to_string(s) + "].";
     if (!step.region_query.empty()) {
-      step.region.vertices = step.region_query.within
-                                 ? within(mesh, adjacency, finder, *step.region_query.within, "The region's point")
-                                 : selected(selection.of_faces, selection.vertices, "the region");
+      step.region.vertices = keyed(key + "region", [&] {
+        return step.region_query.within
+                   ? within(mesh, adjacency, finder, *step.region_query.within, "The region's point")
+                   : selected(selection.of_faces, selection.vertices, "the region");
+      });
       step.region_query = VertexQuery();
     } else if (to_here) {
       step.region = to_here->images(step.region);
@@ -155,7 +172,7 @@ void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Se
     for (std::size_t g = 0; g < step.handles.size(); ++g) {
       HandleGroup& group = step.handles[g];
       if (!group.query.empty()) {
-        locate(mesh, adjacency, finder, selection, group, g);
+        keyed(key + "handles", g, [&] { locate(mesh, adjacency, finder, selection, group, g); });
       } else if (to_here) {
         sort_group(group, g);
         transfer(*to_here, group, taken);
@@ -168,9 +185,10 @@ void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Se
 
 Edit in_space(Edit edit, const std::string& mesh_space) {
   require_known_space(mesh_space);
-  for (EditStep& step : edit.steps) {
-    for (HandleGroup& group : step.handles) {
-      convert_group(group, mesh_space);
+  for (std::size_t k = 0; k < edit.steps.size(); ++k) {
+    std::vector<HandleGroup>& groups = edit.steps[k].handles;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      keyed("steps", k, [&] { keyed("handles", g, [&] { convert_group(groups[g], mesh_space); }); });
     }
   }
   return edit;

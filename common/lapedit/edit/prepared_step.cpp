@@ -74,7 +74,8 @@ void PreparedStep::move(const EditStep& step) {
                       "handles[" + std::to_string(g) +
                           "]: these are not the vertices that the step was prepared for: "
                           "give the step's own handle groups in their order, with other motions; for other vertices "
-                          "prepare another step.");
+                          "prepare another step.")
+          .at("handles[" + std::to_string(g) + "]");
     }
   }
   step_.handles = next.handles;

@@ -25,11 +25,13 @@ void validate(const ScanFitSettings& settings) {
   if (!(settings.detail >= 0.003 && settings.detail <= settings.constants.first_length)) {
     throw EditError(ErrorCause::BadParameter, "The detail of the fit is " + number_text(settings.detail) +
                                                   ": give a number from 0.003 to 0.4, the length over the template's "
-                                                  "size down to which it follows the scan.");
+                                                  "size down to which it follows the scan.")
+        .at("fit.detail");
   }
   if (!(settings.distance >= 0 && std::isfinite(settings.distance))) {
     throw EditError(ErrorCause::BadParameter, "The distance of the fit is " + number_text(settings.distance) +
-                                                  ": give a length in model units, or 0 for an automatic one.");
+                                                  ": give a length in model units, or 0 for an automatic one.")
+        .at("fit.distance");
   }
 }
 
@@ -75,7 +77,8 @@ Fit::Fit(const FitProblem& problem, const Progress& progress)
       pool_(std::make_shared<ThreadPool>(problem.threads)) {
   const Region& region = of_.region;
   if (region.faces.rows() == 0) {
-    throw EditError(ErrorCause::EmptyMesh, "The region of the fit has no triangles: give a region of the surface.");
+    throw EditError(ErrorCause::EmptyMesh, "The region of the fit has no triangles: give a region of the surface.")
+        .at("region");
   }
   std::vector<char> free(static_cast<std::size_t>(region.size()), 1);  // whether the scan may draw a vertex
   for (int i = 0; i < region.size(); ++i) {
@@ -94,7 +97,8 @@ Fit::Fit(const FitProblem& problem, const Progress& progress)
   if (!anchors_.empty() && allowed != FitAlign::None) {
     throw EditError(ErrorCause::BadParameter,
                     "A part of a component cannot be aligned, since its anchors stay: fit the whole component, or use "
-                    "\"align\": \"none\".");
+                    "\"align\": \"none\".")
+        .at("fit.align");
   }
   const Stopwatch watch;
   const Points given = gather(of_.mesh.vertices, region.mesh_vertex);
@@ -105,7 +109,8 @@ Fit::Fit(const FitProblem& problem, const Progress& progress)
   if (allowed != FitAlign::Similarity && !(ratio < kAnotherUnit && ratio > 1 / kAnotherUnit)) {
     throw EditError(ErrorCause::BadParameter, of_.scan.name() + " is " + number_text(1 / ratio) +
                                                   " times as large as the template: bring both to the same unit, or "
-                                                  "align by a similarity.");
+                                                  "align by a similarity.")
+        .at("fit.to");
   }
   const auto landmarks = static_cast<Eigen::Index>(of_.landmarks.size());
   Points from(landmarks, 3);
@@ -301,7 +306,8 @@ void Fit::finish(double length) {
   constexpr double kNone = 0.01;
   if (result_.report.to_scan.matched < kNone && result_.report.from_scan.matched < kNone) {
     throw EditError(ErrorCause::BadParameter,
-                    "The template found no partner on " + of_.scan.name() + advice_without_partners());
+                    "The template found no partner on " + of_.scan.name() + advice_without_partners())
+        .at("fit.to");
   }
   result_.positions = (of_.scan.size() * points_).rowwise() + of_.scan.origin().transpose();
   for (const int i : anchors_) {

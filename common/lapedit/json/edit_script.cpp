@@ -316,7 +316,8 @@ struct Keys {
       const JsonValue files = (*from)["landmarks"];
       files.require_object({"from", "to"});
       const std::string first = named_file(files["from"]), second = named_file(files["to"]);
-      group = refused_at(files.where, [&] { return load_landmarks(first, second); });
+      group =
+          keyed(files.where, [&] { return refused_at(files.where, [&] { return load_landmarks(first, second); }); });
     }
   }
 };

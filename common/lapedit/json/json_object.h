@@ -22,7 +22,7 @@ struct JsonValue {
   JsonValue operator[](const char* key) const;
   JsonValue operator[](std::size_t k) const { return {json[k], where + "[" + std::to_string(k) + "]", source}; }
 
-  [[noreturn]] void refuse(const std::string& sentence) const { refuse_json(where + ": " + sentence); }
+  [[noreturn]] void refuse(const std::string& sentence) const { refuse_json(where + ": " + sentence, where); }
   /// Refuses a value that is missing or of another kind.
   [[noreturn]] void refuse_kind(const std::string& expected) const;
   /// Refuses values that are no objects, and unknown keys. @param former  another key, which messages do not list

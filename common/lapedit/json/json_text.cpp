@@ -47,10 +47,11 @@ class Watch {
   void add_key(const std::string& key) {
     Open& object = open_.back();
     if (!object.keys.insert(key).second) {
-      refuse_json(where() + ": the key " + quoted_text(key) + " is given twice in one object; keep one of the two.");
+      refuse_json(where() + ": the key " + quoted_text(key) + " is given twice in one object; keep one of the two.",
+                  where());
     }
     if (object.keys.size() > kMostKeys) {
-      refuse_json(where() + ": the object has more than " + std::to_string(kMostKeys) + " keys.");
+      refuse_json(where() + ": the object has more than " + std::to_string(kMostKeys) + " keys.", where());
     }
     object.key = key;
   }
@@ -70,8 +71,9 @@ class Watch {
 
 }  // namespace
 
-void refuse_json(const std::string& sentence) {
-  throw EditError(ErrorCause::BadScript, sentence);
+void refuse_json(const std::string& sentence, const std::string& key) {
+  EditError refusal(ErrorCause::BadScript, sentence);
+  throw key.empty() ? refusal : refusal.at(key);
 }
 
 bool is_utf16(const std::string& text) {

@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kLargestJson = 64 << 20;  ///< bytes; seven million vertex numbers fit
 
 /// @throws EditError (BadScript)
-[[noreturn]] void refuse_json(const std::string& sentence);
+[[noreturn]] void refuse_json(const std::string& sentence, const std::string& key = {});
 
 /// Calls read(), and adds a location to the message of an EditError that it throws.
 template <class Read>
@@ -23,7 +23,7 @@ auto refused_at(const std::string& where, const Read& read) {
   try {
     return read();
   } catch (const EditError& refusal) {
-    throw EditError(refusal.cause(), where + ": " + refusal.what());
+    throw EditError(refusal.cause(), where + ": " + refusal.what(), refusal.vertex()).at(refusal.key());
   }
 }
 

@@ -133,7 +133,8 @@ IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbo
                              const std::vector<char>* allowed) {
   if (!(gap > 0 && std::isfinite(gap))) {
     throw EditError(ErrorCause::BadParameter, "Pieces are to be connected over a gap of " + number_text(gap) +
-                                                  ": give a finite length greater than 0, or 0 to connect none.");
+                                                  ": give a finite length greater than 0, or 0 to connect none.")
+        .at("region.connect");
   }
   std::vector<Link> links = LinkSearch(mesh, neighbours, gap, allowed).links();
   std::sort(links.begin(), links.end());

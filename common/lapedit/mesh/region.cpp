@@ -24,32 +24,39 @@ bool is_finite(const Points& points, int vertex) {
   return points.row(vertex).allFinite();
 }
 
+std::string key_of(std::size_t group, const char* key) {
+  return "handles[" + std::to_string(group) + "]." + key;
+}
+
 /// Returns all handle vertices, ascending, and fills the group of each mesh vertex (-1: none).
 std::vector<int> collect_handles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
                                  std::vector<int>& group_of) {
   const int n = static_cast<int>(mesh.vertices.rows());
   if (groups.empty()) {
-    throw EditError(ErrorCause::NoHandle, "There is no handle: name at least one vertex to move.");
+    throw EditError(ErrorCause::NoHandle, "There is no handle: name at least one vertex to move.").at("handles");
   }
   group_of.assign(n, -1);
   std::vector<int> handles;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (groups[g].empty()) {
       throw EditError(ErrorCause::NoHandle,
-                      "Handle group " + std::to_string(g) + " has no vertices: name at least one vertex to move.");
+                      "Handle group " + std::to_string(g) + " has no vertices: name at least one vertex to move.")
+          .at(key_of(g, "vertices"));
     }
     for (const int v : groups[g]) {
-      require_vertex("Handle vertex", v, n);
+      keyed("handles", g, [&] { require_vertex("Handle vertex", v, n); });
       if (group_of[v] >= 0 && group_of[v] != static_cast<int>(g)) {
         throw EditError(ErrorCause::BadIndex,
                         "Vertex " + std::to_string(v) + " is in handle groups " + std::to_string(group_of[v]) +
                             " and " + std::to_string(g) + ": it can follow only one of them.",
-                        v);
+                        v)
+            .at(key_of(g, "vertices"));
       }
       if (!is_finite(mesh.vertices, v)) {
         throw EditError(
             ErrorCause::NotFinite,
-            "Handle vertex " + std::to_string(v) + " has a coordinate that is not a number: repair the mesh first.", v);
+            "Handle vertex " + std::to_string(v) + " has a coordinate that is not a number: repair the mesh first.", v)
+            .at(key_of(g, "vertices"));
       }
       if (group_of[v] < 0) {
         group_of[v] = static_cast<int>(g);
@@ -68,14 +75,16 @@ void check_weights(const std::vector<std::vector<int>>& groups, const std::vecto
       throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) + " has " +
                                                     std::to_string(vertices) + " vertices and " +
                                                     std::to_string(weights[g].size()) +
-                                                    " weights: give one weight for each vertex, or none at all.");
+                                                    " weights: give one weight for each vertex, or none at all.")
+          .at(key_of(g, "weights"));
     }
     for (std::size_t k = 0; k < weights[g].size(); ++k) {
       if (!(weights[g][k] >= kLeastWeight && weights[g][k] <= 1)) {
         throw EditError(ErrorCause::BadParameter,
                         "Handle vertex " + std::to_string(groups[g][k]) + " has the weight " +
                             number_text(weights[g][k]) + ": weights of handle vertices go from 0.000001 to 1.",
-                        groups[g][k]);
+                        groups[g][k])
+            .at(key_of(g, "weights"));
       }
     }
   }
@@ -85,11 +94,12 @@ void check_weights(const std::vector<std::vector<int>>& groups, const std::vecto
 std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set, const std::vector<int>& handles) {
   const int n = static_cast<int>(mesh.vertices.rows());
   if (set.empty()) {
-    throw EditError(ErrorCause::EmptyRegion, "The region has no vertices: select the part of the surface to edit.");
+    throw EditError(ErrorCause::EmptyRegion, "The region has no vertices: select the part of the surface to edit.")
+        .at("region.vertices");
   }
   std::vector<char> flags(n, 0);
   for (const int v : set) {
-    require_vertex("Region vertex", v, n);
+    require_vertex("Region vertex", v, n, "region.vertices");
     flags[v] = 1;
   }
   const auto outside = [&flags](int v) { return !flags[v]; };
@@ -100,7 +110,8 @@ std::vector<char> flag_set(const TriangleMesh& mesh, const std::vector<int>& set
                     std::to_string(count) + " of " + std::to_string(handles.size()) +
                         " handle vertices lie outside the region, the first is vertex " + std::to_string(first) +
                         ": enlarge the region or choose a handle inside it.",
-                    first);
+                    first)
+        .at("region");
   }
   return flags;
 }
@@ -128,18 +139,22 @@ void require_finite(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     throw EditError(ErrorCause::NotFinite,
                     std::to_string(bad.size()) + (bad.size() == 1 ? " vertex" : " vertices") +
                         " in or next to the region have a coordinate that is not a number, the first is vertex " +
-                        std::to_string(bad[0]) + ": repair the mesh or choose a region without them.");
+                        std::to_string(bad[0]) + ": repair the mesh or choose a region without them.",
+                    bad[0])
+        .at("region");
   }
 }
 
 void check_spec(const RegionSpec& spec) {
   if (!(spec.padding >= 0 && spec.padding <= 1)) {
     throw EditError(ErrorCause::BadParameter, "The padding is " + number_text(spec.padding) +
-                                                  ": give a fraction of the region's radius from 0 to 1.");
+                                                  ": give a fraction of the region's radius from 0 to 1.")
+        .at("region.padding");
   }
   if (spec.kind == RegionSpec::Kind::Radius && !(spec.radius > 0 && std::isfinite(spec.radius))) {
     throw EditError(ErrorCause::BadParameter,
-                    "The region's radius is " + number_text(spec.radius) + ": give a finite length greater than 0.");
+                    "The region's radius is " + number_text(spec.radius) + ": give a finite length greater than 0.")
+        .at("region.radius");
   }
 }
 
@@ -501,7 +516,7 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
                     const std::vector<std::vector<double>>& weights) {
   check_spec(spec);
   for (const int v : spec.held) {
-    require_vertex("Held vertex", v, static_cast<int>(mesh.vertices.rows()));
+    require_vertex("Held vertex", v, mesh.vertices.rows(), "region.held");
   }
   if (spec.connect_gap != 0) {
     return build_connected(mesh, adjacency, spec, groups, threads, weights);
@@ -611,19 +626,22 @@ void check_anchors(const KeptAnchors& anchors, int mesh_vertices) {
     throw EditError(ErrorCause::BadParameter, std::to_string(count) + " kept anchors have " +
                                                   std::to_string(anchors.weights.size()) + " weights and " +
                                                   std::to_string(anchors.depths.size()) +
-                                                  " depths: give one of each for each anchor.");
+                                                  " depths: give one of each for each anchor.")
+        .at("region.anchors");
   }
   if (count > 0 && !(anchors.reach > 0 && std::isfinite(anchors.reach))) {
     throw EditError(ErrorCause::BadParameter, "The reach of the kept anchors is " + number_text(anchors.reach) +
-                                                  ": give the largest handle distance that they were made with.");
+                                                  ": give the largest handle distance that they were made with.")
+        .at("region.anchors.reach");
   }
   for (std::size_t i = 0; i < count; ++i) {
-    require_vertex("Kept anchor", anchors.vertices[i], mesh_vertices);
+    require_vertex("Kept anchor", anchors.vertices[i], mesh_vertices, "region.anchors.vertices");
     if (!(anchors.weights[i] >= 0 && anchors.weights[i] <= 1 && anchors.depths[i] >= 0 && anchors.depths[i] <= 1)) {
       throw EditError(ErrorCause::BadParameter, "Kept anchor " + std::to_string(anchors.vertices[i]) +
                                                     " has the weight " + number_text(anchors.weights[i]) +
                                                     " and the depth " + number_text(anchors.depths[i]) +
-                                                    ": both go from 0 to 1.");
+                                                    ": both go from 0 to 1.")
+          .at("region.anchors");
     }
   }
 }

@@ -169,12 +169,14 @@ std::optional<MirrorPlane> SymmetrySearch::find() const {
 
 Affine reflection(const MirrorPlane& plane) {
   if (!plane.point.allFinite() || !plane.normal.allFinite()) {
-    throw EditError(ErrorCause::NotFinite, "The mirror plane is not finite: give a finite point and normal.");
+    throw EditError(ErrorCause::NotFinite, "The mirror plane is not finite: give a finite point and normal.")
+        .at("mirror");
   }
   const double length = plane.normal.stableNorm();
   if (!(length > 0)) {
     throw EditError(ErrorCause::BadParameter,
-                    "The mirror plane's normal is (0, 0, 0): give a direction, for example (1, 0, 0).");
+                    "The mirror plane's normal is (0, 0, 0): give a direction, for example (1, 0, 0).")
+        .at("mirror.normal");
   }
   const Vector3 n = plane.normal / length;
   Affine mirror;

@@ -13,12 +13,14 @@ namespace lapedit {
 
 void validate(const TriangleMesh& mesh) {
   if (mesh.vertices.rows() == 0) {
-    throw EditError(ErrorCause::EmptyMesh, "The mesh has no vertices: open or select a layer with a triangle mesh.");
+    throw EditError(ErrorCause::EmptyMesh, "The mesh has no vertices: open or select a layer with a triangle mesh.")
+        .at("vertices");
   }
   if (mesh.faces.rows() == 0) {
     throw EditError(ErrorCause::EmptyMesh, "The mesh has " + std::to_string(mesh.vertices.rows()) +
                                                " vertices but no faces: a point cloud has to be turned into a surface "
-                                               "before it can be edited.");
+                                               "before it can be edited.")
+        .at("faces");
   }
   const int n = static_cast<int>(mesh.vertices.rows());
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
@@ -27,7 +29,8 @@ void validate(const TriangleMesh& mesh) {
       if (v < 0 || v >= n) {
         throw EditError(ErrorCause::BadIndex, "Face " + std::to_string(f) + " names vertex " + std::to_string(v) +
                                                   " but the mesh has " + std::to_string(n) +
-                                                  " vertices: repair the mesh.");
+                                                  " vertices: repair the mesh.")
+            .at("faces");
       }
     }
   }

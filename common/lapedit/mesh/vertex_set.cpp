@@ -14,11 +14,13 @@
 
 namespace lapedit {
 
-void require_vertex(const char* what, int vertex, Eigen::Index count) {
+void require_vertex(const char* what, int vertex, Eigen::Index count, const char* key) {
   if (vertex < 0 || vertex >= count) {
-    throw EditError(ErrorCause::BadIndex, std::string(what) + " " + std::to_string(vertex) +
-                                              " does not exist: the mesh has " + std::to_string(count) +
-                                              " vertices, numbered from 0.");
+    throw EditError(ErrorCause::BadIndex,
+                    std::string(what) + " " + std::to_string(vertex) + " does not exist: the mesh has " +
+                        std::to_string(count) + " vertices, numbered from 0.",
+                    vertex)
+        .at(key);
   }
 }
 
@@ -87,7 +89,8 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
   require_vertex("Vertex", vertex, mesh.vertices.rows());
   if (!(radius >= 0 && std::isfinite(radius))) {
     throw EditError(ErrorCause::BadParameter,
-                    "The radius is " + number_text(radius) + ": give a finite length, or 0 for a single vertex.");
+                    "The radius is " + number_text(radius) + ": give a finite length, or 0 for a single vertex.")
+        .at("radius");
   }
   if (radius == 0) {
     return {vertex};  // without other vertices at the same position

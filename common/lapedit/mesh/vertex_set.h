@@ -9,8 +9,9 @@ namespace lapedit {
 
 /// @param what   names the vertex in the message, such as "Handle vertex"
 /// @param count  vertices of the mesh
+/// @param key    of the error
 /// @throws EditError (BadIndex) if there is no such vertex
-void require_vertex(const char* what, int vertex, Eigen::Index count);
+void require_vertex(const char* what, int vertex, Eigen::Index count, const char* key = "vertices");
 
 // Sets of vertices are ascending lists without duplicates.
 

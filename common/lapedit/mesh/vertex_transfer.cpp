@@ -19,7 +19,9 @@ VertexTransfer::VertexTransfer(const TriangleMesh& mesh, const Adjacency& adjace
     points_.row(rows[k]) = from.points[k].transpose();
     const std::string what =
         "The edit is applied by position, but the position of its vertex " + std::to_string(from.vertices[k]);
-    image_.push_back(finder.on_surface(from.points[k], what, "take a mesh of the same object").vertex);
+    image_.push_back(keyed("mesh.positions.points", k, [&] {
+      return finder.on_surface(from.points[k], what, "take a mesh of the same object").vertex;
+    }));
   }
   grid_.emplace(points_, std::move(rows));
 }
@@ -28,7 +30,8 @@ std::size_t VertexTransfer::row(int vertex) const {
   const int position = index_in(from_.vertices, vertex);
   if (position < 0) {
     throw EditError(ErrorCause::MeshMismatch, "The edit is applied by position, but the position of its vertex " +
-                                                  std::to_string(vertex) + " is not among mesh.positions: add it.");
+                                                  std::to_string(vertex) + " is not among mesh.positions: add it.")
+        .at("mesh.positions");
   }
   return static_cast<std::size_t>(position);
 }
