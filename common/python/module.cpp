@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <exception>
 #include <functional>
 #include <iterator>
@@ -24,6 +23,7 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/progress.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/edit/edit.h"
 #include "lapedit/edit/fit_step.h"
@@ -37,6 +37,7 @@
 
 namespace nb = nanobind;
 using namespace lapedit;
+using namespace nanobind::literals;
 
 namespace {
 
@@ -74,150 +75,141 @@ nb::object array_of(Points points) {
   return array_of(std::move(points), {rows, 3});
 }
 
+std::string string_of(const nb::bytes& bytes) {
+  return {bytes.c_str(), bytes.size()};
+}
+
 /// Text that may not be UTF-8, as names of files.
 nb::object text_of(const std::string& text) {
   return nb::steal(PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
 }
 
-/// Work on a thread of its own, and what it tells of itself.
-struct Job {
-  explicit Job(std::function<void(const Progress&)> function) : work(std::move(function)) {}
+using Clock = std::chrono::steady_clock;
 
-  void run() {
-    try {
-      work([this](double now, const char* name) { return update(now, name); });
-      if (is_cancelled) {
-        throw EditError(ErrorCause::Cancelled, "The edit was cancelled.");
-      }
-    } catch (...) {
-      failure = std::current_exception();
-    }
-    const std::lock_guard<std::mutex> lock(mutex);
-    is_done = true;
-    changed.notify_one();
-  }
+// Calls, and those of them that work without Python's lock. Changed with the lock only.
+int calls = 0, unlocked = 0;
+unsigned long main_thread = 0;  // as PyThread_get_thread_ident() returns it
+std::atomic<bool> is_ending{false};
 
-  bool update(double now, const char* name) {
-    const std::lock_guard<std::mutex> lock(mutex);
-    is_new = is_new || now != fraction || stage != name;
-    fraction = now;
-    stage = name;
-    return !is_cancelled;
-  }
-
-  std::function<void(const Progress&)> work;
-  std::atomic<bool> is_cancelled{false}, is_done{false};
-  std::exception_ptr failure;  // once it is done
-  std::mutex mutex;            // of all below
-  std::condition_variable changed;
-  double fraction = 0;
-  std::string stage;
-  bool is_new = false;
-};
-
-/// Threads of cancelled work that is on its way to its next look at the progress.
-class Leftovers {
- public:
-  static void add(std::thread thread, std::shared_ptr<Job> job) {
-    join_those([](const Job& each) { return each.is_done.load(); });
-    const std::lock_guard<std::mutex> lock(mutex());
-    all().push_back({std::move(thread), std::move(job)});
-  }
-  /// Waits for all; at exit, since they would outlive the module.
-  static void join() {
+/// Cancels all work at exit, and waits until its threads have returned. Python ends a thread that requests the lock
+/// later in the middle of C++ functions, which would end the process with an error.
+void cancel_all() {
+  constexpr std::chrono::seconds kPatience{5};  // with progress functions that do not return
+  const Clock::time_point end = Clock::now() + kPatience;
+  is_ending = true;
+  while (unlocked > 0 || (calls > 0 && Clock::now() < end)) {
     const nb::gil_scoped_release release;
-    join_those([](const Job&) { return true; });
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+/// Work without Python's lock, whose progress calls Python some times a second: the handlers of signals, such as that
+/// of Ctrl+C, and the user's function. What these raise cancels the work.
+class Call {
+ public:
+  explicit Call(const nb::object& progress) : progress_(progress) {
+    require_running();
+    ++calls;
+    unlock();
+  }
+  ~Call() {
+    lock();
+    --calls;
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  bool operator()(double fraction, const char* stage) {
+    constexpr std::chrono::milliseconds kBetweenCalls{40};
+    if (PyThread_get_thread_ident() == thread_) {
+      is_new_ = is_new_ || fraction != fraction_ || stage != stage_;
+      fraction_ = fraction;
+      stage_ = stage;
+      // Python handles signals in its main thread.
+      const bool calls_python = !progress_.is_none() || thread_ == main_thread;
+      if (calls_python && !must_end() && Clock::now() - called_ > kBetweenCalls) {
+        lock();
+        call_python();
+        called_ = Clock::now();
+        unlock();
+      }
+    }
+    return !is_cancelled_ && !must_end();
+  }
+
+  /// Takes the lock, and reports the end of the work. @param failure  of the work; null: none
+  /// @throws nb::python_error for what Python raised; and the failure
+  void finish(const std::exception_ptr& failure) {
+    lock();
+    require_running();
+    if (!failure) {
+      call_python();
+    }
+    if (raised_) {
+      throw nb::python_error(std::move(*raised_));
+    }
+    if (failure) {
+      std::rethrow_exception(failure);
+    }
   }
 
  private:
-  struct Leftover {
-    std::thread thread;
-    std::shared_ptr<Job> job;
-  };
-
-  template <class Condition>
-  static void join_those(const Condition& condition) {
-    std::vector<Leftover> chosen;
-    {
-      const std::lock_guard<std::mutex> lock(mutex());
-      const auto first =
-          std::partition(all().begin(), all().end(), [&](const Leftover& each) { return !condition(*each.job); });
-      std::move(first, all().end(), std::back_inserter(chosen));
-      all().erase(first, all().end());
-    }
-    for (Leftover& each : chosen) {
-      each.thread.join();
-    }
-  }
-
-  // Never destroyed: a thread that is still there would end the process.
-  static std::mutex& mutex() {
-    static auto* const one = new std::mutex;
-    return *one;
-  }
-  static std::vector<Leftover>& all() {
-    static auto* const leftovers = new std::vector<Leftover>;
-    return *leftovers;
-  }
-};
-
-/// Calls the progress function, and handlers of signals, such as that of Ctrl+C. @return what they raise, or null
-std::unique_ptr<nb::python_error> call_python(const nb::object& progress, bool show, double now,
-                                              const std::string& stage) {
-  const nb::gil_scoped_acquire acquire;
-  try {
-    if (PyErr_CheckSignals() != 0) {
+  bool must_end() const { return is_ending && thread_ != main_thread; }
+  /// Ends the thread without a message if the process ends.
+  void require_running() const {
+    if (must_end()) {
+      PyErr_SetNone(PyExc_SystemExit);
       nb::raise_python_error();
     }
-    if (show) {
-      progress(now, stage);
-    }
-  } catch (nb::python_error& error) {
-    return std::make_unique<nb::python_error>(std::move(error));
   }
-  return nullptr;
-}
-
-/// Runs work without Python's lock on a thread of its own, while this one looks for Ctrl+C and calls the progress
-/// function. If either raises, the work is cancelled; if it does not end at once, this does not wait for it.
-/// @param work  owns what it uses. @throws nb::python_error; and what the work throws
-void attend(const nb::object& progress, std::function<void(const Progress&)> work) {
-  constexpr std::chrono::milliseconds kBetweenLooks{20}, kPatience{30};
-  const bool is_shown = !progress.is_none();
-  const auto job = std::make_shared<Job>(std::move(work));
-  std::unique_ptr<nb::python_error> raised;
-  {
-    const nb::gil_scoped_release release;
-    std::thread thread([job] { job->run(); });
-    std::unique_lock<std::mutex> lock(job->mutex);
-    const auto is_done = [&job] { return job->is_done.load(); };
-    for (bool is_last = false; !is_last && !raised;) {
-      is_last = job->changed.wait_for(lock, kBetweenLooks, is_done);
-      const bool show = is_shown && job->is_new;
-      if (show || !is_last) {
-        const double now = job->fraction;
-        const std::string stage = job->stage;
-        job->is_new = false;
-        lock.unlock();
-        raised = call_python(progress, show, now, stage);
-        lock.lock();
+  void unlock() {
+    if (!must_end()) {
+      ++unlocked;
+      state_ = PyEval_SaveThread();
+    }
+  }
+  void lock() {
+    if (state_ != nullptr) {
+      PyEval_RestoreThread(std::exchange(state_, nullptr));
+      --unlocked;
+    }
+  }
+  void call_python() {
+    try {
+      if (PyErr_CheckSignals() != 0) {
+        nb::raise_python_error();
       }
-    }
-    job->is_cancelled = raised != nullptr;
-    const bool has_ended = job->changed.wait_for(lock, kPatience, is_done);
-    lock.unlock();
-    if (has_ended) {
-      thread.join();
-    } else {
-      Leftovers::add(std::move(thread), job);
+      if (!progress_.is_none() && std::exchange(is_new_, false)) {
+        progress_(fraction_, stage_);
+      }
+    } catch (nb::python_error& error) {
+      raised_ = std::make_unique<nb::python_error>(std::move(error));
+      is_cancelled_ = true;
     }
   }
-  if (raised) {
-    throw nb::python_error(std::move(*raised));
+
+  const nb::object& progress_;
+  unsigned long thread_ = PyThread_get_thread_ident();
+  PyThreadState* state_ = nullptr;  // while the thread is without the lock
+  bool is_new_ = false;
+  std::atomic<bool> is_cancelled_{false};
+  std::unique_ptr<nb::python_error> raised_;
+  Clock::time_point called_ = Clock::now();
+  double fraction_ = 0;
+  std::string stage_;
+};
+
+/// Runs work without Python's lock. @param work  gets a Progress. @throws as Call::finish()
+template <class Work>
+void attend(const nb::object& progress, const Work& work) {
+  Call call(progress);
+  std::exception_ptr failure;
+  try {
+    work(Progress(std::ref(call)));
+  } catch (...) {
+    failure = std::current_exception();
   }
-  if (job->failure) {
-    std::rethrow_exception(job->failure);
-  }
+  call.finish(failure);
 }
 
 /// Counts the edits that run in this process, so that several share the processors.
@@ -241,11 +233,12 @@ class Running {
 
 /// What an edit is made of, as the package gives it.
 struct Given {
-  Given(const PointArray& vertices, const FaceArray& faces, std::string edit, std::string files, std::string system,
-        const NumberArray& selected, const NumberArray& selected_corners, bool is_single, bool polygons)
+  Given(const PointArray& vertices, const FaceArray& faces, const nb::bytes& edit, const nb::bytes& files,
+        std::string system, const NumberArray& selected, const NumberArray& selected_corners, bool is_single,
+        bool polygons)
       : mesh{points_of(vertices), faces_of(faces)},
-        text(std::move(edit)),
-        folder(std::move(files)),
+        text(string_of(edit)),
+        folder(string_of(files)),
         space(std::move(system)),
         selection{numbers_of(selected), numbers_of(selected_corners)},
         scalar(is_single ? StoredScalar::Float : StoredScalar::Double),
@@ -262,14 +255,20 @@ struct Given {
     if (found == scans.end()) {
       throw EditError(
           ErrorCause::BadParameter,
-          "scans: the scan \"" + fit.to + "\" of the fit was not given: give scans={\"" + fit.to + "\": mesh}.");
+          "scans: the scan \"" + fit.to + "\" of the fit was not given: give scans={\"" + fit.to + "\": mesh}.")
+          .at("scans");
     }
     return found->second;
   }
 
   /// Reads an edit for this mesh, in its coordinate system.
   Edit read(const std::string& json) const {
-    Edit edit = in_space(read_edit(json, folder, &mesh), space);
+    Edit edit;
+    try {
+      edit = in_space(read_edit(json, folder, &mesh), space);
+    } catch (EditError& error) {
+      throw error.key().empty() ? error.at("edit") : error;
+    }
     if (has_polygons) {
       edit.mesh_faces.reset();  // other programs divide polygons into other triangles
       edit.connectivity.clear();
@@ -292,37 +291,102 @@ std::string report_text(const TriangleMesh& mesh, double fraction, const std::ve
   return all.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// @param given  is consumed
-nb::tuple edit(Given& given, double fraction, const nb::object& progress) {
-  struct Shared {
-    Given given;
-    EditResult result;
-    std::string report;
-  };
-  const auto shared = std::make_shared<Shared>(Shared{std::move(given), {}, {}});
-  attend(progress, [shared, fraction](const Progress& update) {
+nb::tuple edit(const Given& given, double fraction, const nb::object& progress) {
+  EditResult result;
+  std::string report;
+  attend(progress, [&](const Progress& update) {
     const Running running;
-    const Given& own = shared->given;
-    const TriangleMesh& mesh = own.mesh;
-    const Edit edit = with_scans(own.read(own.text), [&own](const FitStep& fit) { return own.scan_of(fit); });
+    const TriangleMesh& mesh = given.mesh;
+    const Edit edit = with_scans(given.read(given.text), [&given](const FitStep& fit) { return given.scan_of(fit); });
     validate(mesh);
     SolverOptions options;
     options.threads = running.threads(mesh.vertices.rows());
     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, options.threads);
-    EditResult& result = shared->result;
-    result =
-        std::move(apply_edit(mesh, adjacency, edit, own.selection, {fraction}, own.scalar, update, options).front());
-    shared->report = report_text(mesh, fraction, result.reports);
+    result = std::move(
+        apply_edit(mesh, adjacency, edit, given.selection, {fraction}, given.scalar, update, options).front());
+    report = report_text(mesh, fraction, result.reports);
   });
-  EditResult& result = shared->result;
-  return nb::make_tuple(array_of(std::move(result.vertices)), array_of(std::move(result.positions)),
-                        text_of(shared->report));
+  return nb::make_tuple(array_of(std::move(result.vertices)), array_of(std::move(result.positions)), text_of(report));
 }
 
 /// A step that is prepared once and posed often. Calls from several threads wait for each other.
-class PosedStep {
+class Editor {
  public:
-  explicit PosedStep(Given given) : given_(std::move(given)) {}
+  /// @param given  is consumed
+  Editor(Given& given, const nb::object& progress) : given_(std::move(given)) {
+    attend(progress, [this](const Progress& update) { prepare(update); });
+  }
+
+  /// @param handles  JSON of an edit whose one step has the groups with other motions; empty: their own
+  nb::tuple pose(double fraction, const nb::bytes& handles, const nb::object& progress) {
+    std::vector<int> vertices;
+    Points positions;
+    attend(progress, [&, text = string_of(handles)](const Progress& update) {
+      const Turn turn(*this, update);
+      move_to(text);
+      report_.clear();
+      is_posed_ = false;
+      step_->pose(fraction, vertices_, positions_, update);
+      vertices = vertices_;
+      positions = positions_;
+      fraction_ = fraction;
+      is_posed_ = true;
+    });
+    return nb::make_tuple(array_of(std::move(vertices)), array_of(std::move(positions)));
+  }
+
+  /// Returns the report of the last pose.
+  nb::object report() {
+    std::string text;
+    attend(nb::none(), [&](const Progress& update) {
+      const Turn turn(*this, update);
+      if (!is_posed_) {
+        throw EditError(ErrorCause::BadParameter, "report: there is no pose yet: call pose() first.").at("report");
+      }
+      if (report_.empty()) {
+        Points all = given_.mesh.vertices;
+        scatter(vertices_, positions_, all);
+        report_ = report_text(given_.mesh, fraction_, {step_->report(fraction_, all)});
+      }
+      text = report_;
+    });
+    return text_of(text);
+  }
+
+  /// Returns vertices, and of each its class (VertexClass).
+  nb::tuple region() const {
+    const Region& region = step_->region();
+    std::vector<int> classes;
+    std::transform(region.classes.begin(), region.classes.end(), std::back_inserter(classes),
+                   [](VertexClass each) { return static_cast<int>(each); });
+    return nb::make_tuple(array_of(region.mesh_vertex), array_of(std::move(classes)));
+  }
+
+ private:
+  /// Waits until no other thread uses the editor. The progress function of a pose must not call the same editor.
+  class Turn {
+   public:
+    Turn(Editor& editor, const Progress& update) : editor_(editor) {
+      if (editor.user_ == std::this_thread::get_id()) {
+        throw EditError(ErrorCause::BadParameter,
+                        "progress: the function calls the Editor that calls it: use another Editor there.")
+            .at("progress");
+      }
+      while (!editor.mutex_.try_lock_for(std::chrono::milliseconds(10))) {
+        report_progress(update, 0, "waiting");
+      }
+      editor.user_ = std::this_thread::get_id();
+    }
+    ~Turn() {
+      editor_.user_ = std::thread::id();
+      editor_.mutex_.unlock();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    Editor& editor_;
+  };
 
   void prepare(const Progress& update) {
     const Running running;
@@ -339,14 +403,13 @@ class PosedStep {
     if (joined) {
       mesh_.faces = joined->faces;
     }
-    step_ = std::make_unique<PreparedStep>(mesh_, joined, own_, options);
-    step_->prepare(joined ? joined->adjacency : adjacency_, 1, update);
+    keyed("steps", 0, [&] {
+      step_ = std::make_unique<PreparedStep>(mesh_, joined, own_, options);
+      step_->prepare(joined ? joined->adjacency : adjacency_, 1, update);
+    });
   }
 
-  /// @param handles  JSON of an edit whose one step has the groups with other motions; empty: their own
-  void pose(double fraction, const std::string& handles, const Progress& update, std::vector<int>& vertices,
-            Points& positions) {
-    const std::lock_guard<std::mutex> lock(mutex_);
+  void move_to(const std::string& handles) {
     if (!handles.empty()) {
       const EditStep moved = one_step(given_.read(handles));
       is_moved_ = true;
@@ -355,41 +418,19 @@ class PosedStep {
       step_->move(own_);
       is_moved_ = false;
     }
-    report_.clear();
-    is_posed_ = false;
-    step_->pose(fraction, vertices_, positions_, update);
-    vertices = vertices_;
-    positions = positions_;
-    fraction_ = fraction;
-    is_posed_ = true;
   }
 
-  /// Returns the report of the last pose.
-  std::string report() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!is_posed_) {
-      throw EditError(ErrorCause::BadParameter, "report: there is no pose yet: call pose() first.");
-    }
-    if (report_.empty()) {
-      Points all = given_.mesh.vertices;
-      scatter(vertices_, positions_, all);
-      report_ = report_text(given_.mesh, fraction_, {step_->report(fraction_, all)});
-    }
-    return report_;
-  }
-
-  const Region& region() const { return step_->region(); }
-
- private:
   EditStep one_step(Edit edit) const {
     if (edit.steps.size() != 1) {
       throw EditError(ErrorCause::BadScript, "steps: an Editor prepares one step, but the edit has " +
                                                  std::to_string(edit.steps.size()) +
-                                                 ": give one of them, or call edit() for all.");
+                                                 ": give one of them, or call edit() for all.")
+          .at("steps");
     }
     if (edit.steps.front().fit) {
       throw EditError(ErrorCause::BadScript,
-                      "steps[0].fit: an Editor poses handles, but a fit has one result: call edit() with scans.");
+                      "steps[0].fit: an Editor poses handles, but a fit has one result: call edit() with scans.")
+          .at("steps[0].fit");
     }
     require_same_mesh(given_.mesh, edit);
     return located(given_.mesh, adjacency_, std::move(edit), given_.selection).steps.front();
@@ -400,46 +441,13 @@ class PosedStep {
   Adjacency adjacency_;
   EditStep own_;
   std::unique_ptr<PreparedStep> step_;
-  std::mutex mutex_;  // of all below, and of the poses of step_
+  std::timed_mutex mutex_;  // of all below, and of the poses of step_
+  std::atomic<std::thread::id> user_{};
   bool is_moved_ = false, is_posed_ = false;
   double fraction_ = 0;
   std::vector<int> vertices_;
   Points positions_;
   std::string report_;
-};
-
-class Editor {
- public:
-  /// @param given  is consumed
-  Editor(Given& given, const nb::object& progress) : step_(std::make_shared<PosedStep>(std::move(given))) {
-    attend(progress, [step = step_](const Progress& update) { step->prepare(update); });
-  }
-
-  nb::tuple pose(double fraction, const std::string& handles, const nb::object& progress) {
-    const auto pose = std::make_shared<std::pair<std::vector<int>, Points>>();
-    attend(progress, [step = step_, pose, fraction, handles](const Progress& update) {
-      step->pose(fraction, handles, update, pose->first, pose->second);
-    });
-    return nb::make_tuple(array_of(std::move(pose->first)), array_of(std::move(pose->second)));
-  }
-
-  nb::object report() {
-    const auto text = std::make_shared<std::string>();
-    attend(nb::none(), [step = step_, text](const Progress&) { *text = step->report(); });
-    return text_of(*text);
-  }
-
-  /// Returns vertices, and of each its class (VertexClass).
-  nb::tuple region() const {
-    const Region& region = step_->region();
-    std::vector<int> classes;
-    std::transform(region.classes.begin(), region.classes.end(), std::back_inserter(classes),
-                   [](VertexClass each) { return static_cast<int>(each); });
-    return nb::make_tuple(array_of(region.mesh_vertex), array_of(std::move(classes)));
-  }
-
- private:
-  std::shared_ptr<PosedStep> step_;
 };
 
 /// Returns the vertex nearest to each point, and its distance.
@@ -448,24 +456,27 @@ nb::tuple nearest(const PointArray& vertices, const FaceArray& faces, const Poin
   std::vector<double> distances;
   const TriangleMesh mesh = {points_of(vertices), faces_of(faces)};
   const Points all = points_of(points);
-  {
-    const nb::gil_scoped_release release;
+  attend(nb::none(), [&](const Progress& update) {
+    constexpr Eigen::Index kBetweenCalls = 1024;
     validate(mesh);
     const VertexFinder finder(mesh);
     for (Eigen::Index k = 0; k < all.rows(); ++k) {
+      if (k % kBetweenCalls == 0) {
+        report_progress(update, static_cast<double>(k) / static_cast<double>(all.rows()), "nearest");
+      }
       const VertexFinder::Found one = finder.anywhere(all.row(k).transpose(), "points[" + std::to_string(k) + "]");
       found.push_back(one.vertex);
       distances.push_back(one.distance);
     }
-  }
+  });
   const std::size_t count = distances.size();
   return nb::make_tuple(array_of(std::move(found)), array_of(std::move(distances), {count}));
 }
 
 /// Reads the landmarks of two files: names, points, targets.
-nb::tuple landmarks(const std::string& from, const std::string& to, const std::string& space) {
+nb::tuple landmarks(const nb::bytes& from, const nb::bytes& to, const std::string& space) {
   Edit edit;
-  edit.steps.emplace_back().handles = {load_landmarks(from, to)};
+  edit.steps.emplace_back().handles = {load_landmarks(string_of(from), string_of(to))};
   const HandleGroup group = in_space(std::move(edit), space).steps.front().handles.front();
   const auto rows = [](const std::vector<Vector3>& all) {
     Points points(static_cast<Eigen::Index>(all.size()), 3);
@@ -526,14 +537,23 @@ NB_MODULE(_core, module) {
       std::rethrow_exception(thrown);
     } catch (const EditError& error) {
       const nb::object type = nb::module_::import_("laplacian_edit._errors").attr("EditRefused");
-      const nb::object refusal = type(text_of(error.what()), nb::str(name_of(error.cause())), error.vertex());
+      const nb::object refusal = type(text_of(error.what()), nb::str(name_of(error.cause())), error.vertex(),
+                                      error.key().empty() ? nb::none() : text_of(error.key()));
       PyErr_SetObject(type.ptr(), refusal.ptr());
     }
   });
-  nb::module_::import_("atexit").attr("register")(nb::cpp_function(&Leftovers::join));
+  main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
+  nb::module_::import_("atexit").attr("register")(nb::cpp_function(&cancel_all));
+  const nb::module_ os = nb::module_::import_("os");
+  if (nb::hasattr(os, "register_at_fork")) {  // the child has none of these threads
+    os.attr("register_at_fork")("after_in_child"_a = nb::cpp_function([] {
+                                  calls = unlocked = 0;
+                                  main_thread = PyThread_get_thread_ident();
+                                }));
+  }
   nb::class_<Given>(module, "Given")
-      .def(nb::init<const PointArray&, const FaceArray&, std::string, std::string, std::string, const NumberArray&,
-                    const NumberArray&, bool, bool>())
+      .def(nb::init<const PointArray&, const FaceArray&, const nb::bytes&, const nb::bytes&, std::string,
+                    const NumberArray&, const NumberArray&, bool, bool>())
       .def("add_scan", &Given::add_scan);
   module.def("edit", &edit, nb::arg("given"), nb::arg("fraction"), nb::arg("progress").none());
   nb::class_<Editor>(module, "Editor")

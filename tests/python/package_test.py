@@ -307,6 +307,8 @@ class Forms(unittest.TestCase):
         if pyvista:
             with self.assertRaisesRegex(EditRefused, "extract_surface"):
                 edit(meshes[-1].cast_to_unstructured_grid(), {"steps": [PULL]})
+        with self.assertRaisesRegex(EditRefused, r'mesh.cells_dict\["triangle"\]'):  # meshio's
+            edit(types.SimpleNamespace(points=points, cells=[], cells_dict={"triangle": faces}), {"steps": [PULL]})
         with self.assertRaisesRegex(EditRefused, "Scene"):
             edit(trimesh.Scene(meshes[0]), {"steps": [PULL]})
 
@@ -349,7 +351,7 @@ class Refusals(unittest.TestCase):
             "infinity in points": (one(points=[[0, 0, 0], [0, numpy.inf, 0]]), handle + ".points[1][1]", "inf is not finite"),
             "NaN in a setting": (lambda: edit(points, faces, {"steps": [{**PULL, "membrane": numpy.float64("nan")}]}),
                                  "steps[0].membrane", "nan is not finite"),
-            "vertex that does not exist": (one(vertices=[4410]), None, "vertex 4410 does not exist"),
+            "vertex that does not exist": (one(vertices=[4410]), handle + ".vertices", "vertex 4410 does not exist"),
             "negative vertex": (one(vertices=[3, -1]), handle + ".vertices", "-1 is no vertex number"),
             "half a vertex": (one(vertices=[3, 1.5]), handle + ".vertices", "1.5 is no vertex number"),
             "a boolean among numbers": (one(vertices=[True, 3]), handle + ".vertices", "True is no vertex number"),
@@ -363,29 +365,30 @@ class Refusals(unittest.TestCase):
             "a matrix of 3 x 3": (one(vertices=220, matrix=numpy.eye(3)), handle + ".matrix", "a list of 16 numbers"),
             "an unknown key": (lambda: edit(points, faces, {"steps": [{**PULL, "regio": 1}]}), "steps[0]", 'unknown key "regio"'),
             "no steps": (lambda: edit(points, faces, {"steps": []}), "steps", "a list of one or more steps"),
-            "another mesh": (lambda: edit(points, faces, {"mesh": {"vertices": 440}, "steps": [PULL]}), None, "440"),
-            "a setting out of range": (lambda: edit(points, faces, {"steps": [{**PULL, "membrane": -1}]}), None, "membrane weight is -1"),
+            "another mesh": (lambda: edit(points, faces, {"mesh": {"vertices": 440}, "steps": [PULL]}), "mesh", "440"),
+            "a setting out of range": (lambda: edit(points, faces, {"steps": [{**PULL, "membrane": -1}]}), "steps[0].membrane", "membrane weight is -1"),
             "an object": (lambda: edit(points, faces, {"steps": [{**PULL, "membrane": object()}]}), "steps[0].membrane", "no form in JSON"),
             "no edit": (lambda: edit(points, faces, 7), "edit", "int is no edit"),
             "a file that is not there": (lambda: edit(points, faces, pathlib.Path("nowhere.json")), "edit", "nowhere.json"),
-            "broken JSON": (lambda: edit(points, faces, '{"steps": ['), None, "not valid JSON"),
+            "broken JSON": (lambda: edit(points, faces, '{"steps": ['), "edit", "not valid JSON"),
             "a fraction of 2": (lambda: edit(points, faces, {"steps": [PULL]}, fraction=2), "fraction", "2 is outside"),
             "a flat array of vertices": (lambda: edit(points.ravel(), faces, {"steps": [PULL]}), "vertices", r"shape \(1323,\)"),
             "half precision": (lambda: edit(points.astype("f2"), faces, {"steps": [PULL]}), "vertices", "float16"),
             "rows of different lengths": (lambda: edit([[1, 2, 3], [1]], faces, {"steps": [PULL]}), "vertices", "different lengths"),
-            "no faces": (lambda: edit(points, [], {"steps": [PULL]}), None, "face"),
+            "no faces": (lambda: edit(points, [], {"steps": [PULL]}), "faces", "face"),
             "corners that are no integers": (lambda: edit(points, faces / 2, {"steps": [PULL]}), "faces", "float64"),
-            "a corner that does not exist": (lambda: edit(points, broken, {"steps": [PULL]}), None, "441"),
+            "a corner that does not exist": (lambda: edit(points, broken, {"steps": [PULL]}), "faces", "441"),
             "a negative corner": (lambda: edit(points, faces - 1, {"steps": [PULL]}), "faces", "-1 is no vertex number"),
             "a list of polygons that ends early": (lambda: edit(points, [3, 0, 1], {"steps": [PULL]}), "faces", "polygon 0 has 3 corners"),
-            "a vertex that is not finite": (lambda: edit(holed, faces, {"steps": [PULL]}), None, "vertex 221"),
+            "a vertex that is not finite": (lambda: edit(holed, faces, {"steps": [PULL]}), "steps[0].region", "vertex 221"),
             "an object without vertices": (lambda: edit(object(), {"steps": [PULL]}), "vertices", "has no vertices and faces"),
             "a scan that was not given": (lambda: edit(points, faces, fit), "scans", r'give scans=\{"a": mesh\}'),
-            "a scan without faces": (lambda: edit(points, faces, fit, scans={"a": points}), 'scans["a"].vertices', "has no vertices and faces"),
+            "a scan without faces": (lambda: edit(points, faces, fit, scans={"a": points}), 'scans["a"]', "neither faces nor normals"),
+            "a cloud without normals": (lambda: edit(points, faces, fit, scans={"a": (points, None, None)}), 'scans["a"]', "nor normals"),
             "a scan of three arrays": (lambda: edit(points, faces, fit, scans={"a": (points, faces, points)}), 'scans["a"]', "3 values"),
             "a cloud with too few normals": (lambda: edit(points, faces, fit, scans={"a": (points, None, points[1:])}), 'scans["a"][2]',
                                              "440 normals for 441 points"),
-            "a scan of one point": (lambda: edit(points, faces, fit, scans={"a": (points[:1], None, points[:1])}), None, '"a" has no point'),
+            "a scan of one point": (lambda: edit(points, faces, fit, scans={"a": (points[:1], None, points[:1])}), "steps[0].fit.to", '"a" has no point'),
             "a fit in an editor": (lambda: Editor(points, faces, fit), "steps[0].fit", r"call edit\(\) with scans"),
             "two steps in an editor": (lambda: Editor(points, faces, {"steps": [PULL, PULL]}), "steps", "has 2"),
             "handles for other groups": (lambda: Editor(points, faces, PULL).pose([{}, {}]), "handles", "there are 2"),
@@ -394,6 +397,135 @@ class Refusals(unittest.TestCase):
                                "handles[0].translation[0]", "nan"),
             "a report before a pose": (lambda: Editor(points, faces, PULL).report, "report", "no pose yet"),
         }
+
+    def test_key_of_each_refusal_by_the_core(self):
+        points, faces = grid()
+        far = [[10, 10, 0], [10, 10, 90]]
+        plane = {"point": [0, 0, 0], "normal": [1, 0, 0]}
+        whole = {"region": {"component": True}, "handles": None}
+        for key, step in {
+                "region.radius": {"region": {"radius": -1}}, "region.padding": {"region": {"radius": 9, "padding": 2}},
+                "region.connect": {"region": {"radius": 9, "connect": -1}}, "region.vertices": {"region": {"vertices": [0, 500]}},
+                "region.held": {"region": {"radius": 9, "held": [500]}}, "region.within.radius": {"region": {"within": {"point": [9, 9, 0], "radius": -1}}},
+                "region.within.point": {"region": {"within": {"point": [9, 9, 99], "radius": 1}}}, "region.selected": {"region": {"selected": True}},
+                "region": {"region": {"vertices": [0, 1]}}, "handles[0].points[1]": {"handles": [{"points": far}]},
+                "handles[0].weights": {"handles": [{"vertices": [3, 4], "weights": [1, 2]}]},
+                "handles[1].vertices": {"handles": [{"vertices": 3}, {"vertices": [3, 4]}]},
+                "handles[1].targets": {"handles": [{"vertices": 3}, {"vertices": [4, 4], "targets": [[0, 0, 0], [1, 0, 0]]}]},
+                "handles[0].rotation": {"handles": [{"vertices": 3, "rotation": {"axis": [0, 0, 1], "degrees": 5}}]},
+                "handles[0].rotation.axis": {"handles": [{"vertices": [3, 4], "rotation": {"axis": [0, 0, 0], "degrees": 5}}]},
+                "handles[0].scale": {"handles": [{"vertices": [3, 4], "scale": 0}]}, "handles[0].selected": {"handles": [{"selected": True}]},
+                "handles[0].matrix": {"handles": [{"vertices": [3, 4], "matrix": numpy.diag([-1, 1, 1, 1])}, {"vertices": [8, 9]}]},
+                "mirror.normal": {"mirror": {**plane, "normal": [0, 0, 0]}}, "mirror": {"mirror": plane},
+                "order": {"order": 9}, "fit.detail": {**whole, "fit": {"to": "a", "detail": 9}},
+                "fit.distance": {**whole, "fit": {"to": "a", "distance": -1}},
+                "fit.exclude.vertices": {**whole, "fit": {"to": "a", "exclude": {"vertices": [500]}}},
+        }.items():
+            with self.subTest(key=key), self.assertRaises(EditRefused) as caught:
+                step = {name: value for name, value in {**PULL, **step}.items() if value is not None}
+                edit(points, faces, {"steps": [PULL, step]}, scans={"a": (points, faces)})
+            self.assertEqual(caught.exception.key, "steps[1]." + key, caught.exception)
+        with self.assertRaises(EditRefused) as caught:
+            edit(points, faces, {"steps": [{**PULL, "handles": [{"vertices": [4410]}]}]})
+        self.assertEqual(caught.exception.vertex, 4410)
+        with self.assertRaises(EditRefused) as caught:
+            Editor(points, faces, {**PULL, "region": {"radius": -1}})
+        self.assertEqual(caught.exception.key, "steps[0].region.radius")
+
+    def test_arguments_of_other_kinds(self):
+        points, faces = grid()
+        cycle = {"region": {"radius": 9}}
+        cycle["handles"] = [cycle]
+        ring, deep = [], []
+        ring.append(ring)
+        for _ in range(100000):
+            deep = [deep]
+        step = {"steps": [PULL]}
+        for key, call in {
+                "edit": lambda: edit(points, faces, {"steps": [cycle]}), "steps": lambda: edit(points, faces, {"steps": deep}),
+                "steps[0].handles[0].vertices": lambda: edit(points, faces, with_handle(vertices=ring)),
+                "steps[0].handles[0].vertices ": lambda: edit(points, faces, with_handle(vertices={1, "a"})),
+                "steps[0].handles[0].vertices  ": lambda: edit(points, faces, with_handle(vertices={True, 7})),
+                "steps[0].membrane": lambda: edit(points, faces, {"steps": [{**PULL, "membrane": numpy.longdouble("1e4000")}]}),
+                "steps[0].membrane ": lambda: edit(points, faces, {"steps": [{**PULL, "membrane": 10**5000}]}),
+                "steps[0].method": lambda: edit(points, faces, {"steps": [{**PULL, "method": b"linear"}]}),
+                "steps[0]": lambda: edit(points, faces, {"steps": [{**PULL, 5: 1}]}), "points": lambda: laplacian_edit.nearest(points, faces, ring),
+                "vertices": lambda: edit(points.astype(complex), faces, step), "faces": lambda: edit(points, ring, step),
+                "vertices ": lambda: edit(points > 0, faces, step), "selected": lambda: edit(points, faces, step, selected=deep),
+                "landmarks_folder": lambda: edit(points, faces, step, landmarks_folder=5), "space": lambda: edit(points, faces, step, space=5),
+                "space ": lambda: Editor(points, faces, PULL, space="XYZ"), "scans": lambda: edit(points, faces, step, scans=5),
+                "scans ": lambda: edit(points, faces, step, scans={5: (points, faces)}), "fraction": lambda: edit(points, faces, step, fraction=1j),
+                "fraction ": lambda: edit(points, faces, step, fraction=10**400), "progress": lambda: edit(points, faces, step, progress=5),
+                "to_file": lambda: laplacian_edit.fit_landmarks("from.csv", 5), "from_file": lambda: Editor(points, faces, PULL).landmarks("a\0b", "c"),
+        }.items():
+            with self.subTest(argument=key), self.assertRaises(EditRefused) as caught:
+                call()
+            self.assertEqual(caught.exception.key, key.strip(), caught.exception)
+        low = numpy.longdouble(0.25)
+        for value in (low, numpy.array(low), numpy.float16(0.25)):
+            self.assertEqual(edit(points, faces, {"steps": [{**PULL, "membrane": value}]}, fraction=low).vertices.tobytes(),
+                             edit(points, faces, {"steps": [{**PULL, "membrane": 0.25}]}, fraction=0.25).vertices.tobytes())
+
+    def test_masked_entries_are_refused(self):
+        points, faces = grid()
+        group = {"region": {"radius": 9}, "handles": [{"vertices": [219, 220]}]}
+
+        def masked(values):
+            values = numpy.ma.array(values)
+            values[1:2] = numpy.ma.masked
+            return values
+
+        def handle(**keys):
+            return lambda: edit(points, faces, {"steps": [{**group, "handles": [{"vertices": [219, 220], **keys}]}]})
+
+        step, fit = {"steps": [PULL]}, {"steps": [{"region": {"component": True}, "fit": {"to": "a"}}]}
+        for key, call in {
+                "vertices": lambda: edit(masked(points), faces, step), "vertices ": lambda: edit(list(masked(points)), faces, step),
+                "faces": lambda: edit(points, masked(faces), step), "selected": lambda: edit(points, faces, step, selected=masked([1, 2])),
+                "selected_faces": lambda: edit(points, faces, step, selected_faces=masked([1, 2])),
+                "points": lambda: laplacian_edit.nearest(points, faces, masked(points[:3])),
+                "steps[0].handles[0].vertices": handle(vertices=masked([219, 220])),
+                "steps[0].handles[0].vertices ": handle(vertices=[219, numpy.ma.masked]),
+                "steps[0].handles[0].targets": handle(targets=masked(points[:2])), "steps[0].handles[0].weights": handle(weights=masked([1, 1])),
+                "steps[0].handles[0].translation": handle(translation=masked([0, 0, 1])), "steps[0].handles[0].scale": handle(scale=numpy.ma.masked),
+                "steps[0].region.held": lambda: edit(points, faces, {"steps": [{**group, "region": {"radius": 9, "held": masked([1, 2])}}]}),
+                'scans["a"].vertices': lambda: edit(points, faces, fit, scans={"a": (masked(points), faces)}),
+                'scans["a"].faces': lambda: edit(points, faces, fit, scans={"a": (points, masked(faces))}),
+                'scans["a"][2].vertices': lambda: edit(points, faces, fit, scans={"a": (points, None, masked(points))}),
+        }.items():
+            with self.subTest(argument=key), self.assertRaisesRegex(EditRefused, "masked") as caught:
+                call()
+            self.assertEqual(caught.exception.key, key.strip())
+        self.assertEqual(edit(numpy.ma.array(points), numpy.ma.array(faces), step).vertices.tobytes(), edit(points, faces, step).vertices.tobytes())
+
+    def test_faces_are_never_read_as_others(self):
+        square = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+        tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+
+        def count(n, faces):
+            step = {"region": {"component": True}, "handles": [{"vertices": 0}, {"vertices": 3, "translation": [0, 0, 1]}]}
+            points = numpy.random.default_rng(n).random((n, 3))
+            return edit(points, faces, {"steps": [step]}).report["mesh"]["faces"]
+
+        for n, faces in ((8, square), (4, tetrahedron), (441, grid()[1])):  # as PyVista has them
+            fans = len(faces) * (len(faces[0]) - 2)
+            with self.subTest(vertices=n):
+                self.assertEqual(count(n, numpy.insert(faces, 0, len(faces[0]), axis=1).ravel()), fans)
+                with self.assertRaisesRegex(EditRefused, r"faces\[:, 1:\]"):
+                    count(n, numpy.insert(faces, 0, len(faces[0]), axis=1))
+                with self.assertRaisesRegex(EditRefused, r"\(m, 3\)"):
+                    count(n, numpy.ravel(faces))
+        random = numpy.random.default_rng(0)
+        for k in range(500):
+            faces = random.integers(0, 12, (random.integers(1, 9), 3 + k % 2))
+            with self.subTest(faces=faces), self.assertRaises(EditRefused):
+                count(12, faces.ravel())
+        for faces in ([[0, 1, 2, 3], [4, 5]], [[0, 1, 2, 3], [4, 4, 5]], [[0, 1, 2, 3], [4, 4, 5, 5]], [2, 0, 1, 4, 0, 1, 2, 3], [[2, 0, 1], [2, 4, 5]]):
+            with self.subTest(faces=faces), self.assertRaisesRegex(EditRefused, "different corners|begins with 2|unclear"):
+                count(8, faces)
+        # The example of PyVista's documents.
+        self.assertEqual(count(5, [4, 0, 1, 2, 3, 3, 0, 1, 4, 3, 1, 2, 4]), 4)
+        self.assertEqual(count(8, numpy.array([None, *square], object)[1:]), 12)
 
     def test_refusals_by_name(self):
         refusals = self.refusals()
@@ -433,6 +565,52 @@ class Editing(unittest.TestCase):
         half = edit(points, faces, down, fraction=0.5).vertices
         numpy.testing.assert_array_equal(editor.pose({"translation": [0, 0, -2]}, fraction=0.5), half)
         numpy.testing.assert_array_equal(editor.pose(), edit(points, faces, {"steps": [PULL]}).vertices)
+
+    def test_an_editor_keeps_what_it_was_given(self):
+        points, faces = grid()
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "from.csv").write_text("a,3,3,0\nb,15,3,0\nc,3,15,0\n")
+            (folder / "to.csv").write_text("a,3,3,1\nb,16,3,0\nc,3,15,2\n")
+            files = {"from": str(folder / "from.csv"), "to": str(folder / "to.csv")}
+            to = points[:3] + 1
+            landmarks = {"region": {"component": True}, "handles": [{"landmarks": files}]}
+            targets = {"region": {"radius": 9}, "handles": [{"vertices": numpy.arange(3), "targets": to}]}
+            for step in (landmarks, PULL, targets):
+                given = [array.copy() for array in (points, faces.astype(numpy.int32))]
+                editor, expected = Editor(*given, step), Editor(points, faces, step)
+                for array in given:
+                    array += 7
+                to += 1
+                (folder / "from.csv").write_text("a,9,9,0\n")
+                for pose in (1.0, 0.3, [{}]):
+                    with self.subTest(step=step, pose=pose):
+                        numpy.testing.assert_array_equal(editor.pose(pose), expected.pose(pose))
+                numpy.testing.assert_array_equal(editor.pose([{}]), points)
+                self.assertEqual(editor.nearest(points[[5, 77]]).tolist(), [5, 77])
+
+    def test_an_editor_is_not_called_by_its_progress(self):
+        editor = Editor(*grid(101), {"region": {"component": True}, "handles": [{"vertices": 5100, "translation": [0, 0, 9]}, {"vertices": 0}]})
+        with self.assertRaisesRegex(EditRefused, "calls the Editor that calls it"):
+            editor.pose(progress=lambda *_: editor.report)
+
+    def test_an_end_of_the_process_with_edits_in_threads(self):
+        code = """if True:
+            import sys, threading, time, numpy, laplacian_edit
+            x, y = numpy.meshgrid(numpy.arange(151.0), numpy.arange(151.0))
+            points = numpy.stack([x.ravel(), y.ravel(), numpy.sin(x * y).ravel()], axis=1)
+            corner = (numpy.arange(150)[:, None] * 151 + numpy.arange(150)).ravel()
+            faces = numpy.stack([corner, corner + 1, corner + 152, corner + 151], axis=1)
+            step = {"region": {"component": True}, "handles": [{"vertices": 11000, "translation": [0, 0, 9]}, {"vertices": 0}]}
+            def work(progress):
+                while True:
+                    laplacian_edit.edit(points, faces, {"steps": [step]}, progress=progress)
+            for progress in (None, lambda *_: None, lambda *_: time.sleep(0.01)):
+                threading.Thread(target=work, args=[progress], daemon=True).start()
+            time.sleep(float(sys.argv[1]))"""
+        for delay in (0.1, 0.6):
+            done = subprocess.run([sys.executable, "-c", code, str(delay)], capture_output=True, text=True, timeout=120, check=False)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_mirrored_and_welded_steps(self):
         points, faces = grid()

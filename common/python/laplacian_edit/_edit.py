@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Seq
 import numpy
 
 from . import _convert, _core
-from ._errors import EditRefused
+from ._errors import EditRefused, refused
 
 #: Called with the fraction done, 0 to 1, and the name of the stage. An exception cancels the edit and is passed on.
 Progress = Callable[[float, str], object]
@@ -46,10 +46,29 @@ class Region(NamedTuple):
     handles: numpy.ndarray
 
 
-def _given(mesh: _convert.Mesh, text: str, folder: str, space: Optional[str], selected: Any, selected_faces: Any) -> _core.Given:
+def _given(mesh: _convert.Mesh, text: bytes, folder: str, space: str, selected: Any, selected_faces: Any) -> _core.Given:
     chosen = _convert.selection_of(mesh, selected, selected_faces)
-    return _core.Given(mesh.points, mesh.faces, text, folder, (space or "").upper(), *chosen, mesh.dtype.itemsize == 4,
+    return _core.Given(mesh.points, mesh.faces, text, os.fsencode(folder), space, *chosen, mesh.dtype.itemsize == 4,
                        mesh.polygon is not None)
+
+
+def _space(value: Any) -> str:
+    space = "" if value is None else value.upper() if isinstance(value, str) else None
+    if space not in ("", "RAS", "LPS"):
+        raise refused("space", f"{_convert.shown(value)} is no coordinate system: give \"RAS\" or \"LPS\".")
+    return space
+
+
+def _progress(value: Any) -> Optional[Progress]:
+    if value is not None and not callable(value):
+        raise refused("progress", f"{_convert.shown(value)} cannot be called: give a function of a fraction and a text.")
+    return value  # type: ignore[no-any-return]
+
+
+def _scans(value: Any) -> Mapping[str, Any]:
+    if value is not None and not (isinstance(value, Mapping) and all(isinstance(name, str) for name in value)):
+        raise refused("scans", f"{type(value).__name__} is no dict of scans by their names: give scans={{\"head\": mesh}}.")
+    return value or {}
 
 
 def edit(vertices: Any, faces: Any = None, edit: Optional[Edit] = None, *, selected: Any = None, selected_faces: Any = None,
@@ -90,16 +109,16 @@ def edit(vertices: Any, faces: Any = None, edit: Optional[Edit] = None, *, selec
         edit, faces = faces, None
     mesh = _convert.mesh_of(vertices, faces)
     text, folder = _convert.text_of(edit, len(mesh.points), landmarks_folder)
-    given = _given(mesh, text, folder, space, selected, selected_faces)
-    for name, scan in (scans or {}).items():
+    given = _given(mesh, text, folder, _space(space), selected, selected_faces)
+    for name, scan in _scans(scans).items():
         given.add_scan(name, *_convert.scan_of(scan, f'scans["{name}"]'))
-    numbers, positions, report = _core.edit(given, _fraction(fraction), progress)
+    numbers, positions, report = _core.edit(given, _fraction(fraction), _progress(progress))
     return Result(mesh.result(numbers, positions), json.loads(report))
 
 
 def _fraction(value: Any) -> float:
-    if not isinstance(value, (Real, numpy.number)) or not 0 <= float(value) <= 1:
-        raise EditRefused(f"fraction: {value!r} is outside its range: give a number from 0 (no change) to 1 (the whole edit).")
+    if not isinstance(value, (Real, numpy.floating)) or not 0 <= value <= 1:
+        raise refused("fraction", f"{_convert.shown(value)} is outside its range: give a number from 0 (no change) to 1 (the whole edit).")
     return float(value)
 
 
@@ -129,11 +148,19 @@ class Editor:
         if step is None:
             step, faces = faces, None
         self._mesh = _convert.mesh_of(vertices, faces)
-        text, self._folder = _convert.text_of(step, len(self._mesh.points), landmarks_folder, is_step=True)
-        self._space = (space or "").upper()
-        given = _given(self._mesh, text, self._folder, space, selected, selected_faces)
-        self._core = _core.Editor(given, progress)
-        self._groups = _vertex_keys(text)
+        text, folder = _convert.text_of(step, len(self._mesh.points), landmarks_folder, is_step=True)
+        self._folder = folder and os.path.abspath(folder)
+        self._space = _space(space)
+        given = _given(self._mesh, text, self._folder, self._space, selected, selected_faces)
+        self._core = _core.Editor(given, _progress(progress))
+        self._groups = [self._vertices(group) for group in json.loads(text)["steps"][0]["handles"]]
+
+    def _vertices(self, group: Mapping[str, Any]) -> Dict[str, Any]:
+        """Returns the keys of a handle group that say which vertices it has. Landmark files are read now."""
+        if "landmarks" in group:
+            files = group["landmarks"]
+            group = {**group, "points": self.landmarks(files["from"], files["to"])["points"].tolist()}
+        return {key: group[key] for key in _VERTEX_KEYS + ("weights",) if key in group}
 
     def pose(self, pose: Union[float, Mapping[str, Any], Sequence[Mapping[str, Any]]] = 1.0, *, fraction: float = 1.0,
              progress: Optional[Progress] = None) -> numpy.ndarray:
@@ -154,25 +181,26 @@ class Editor:
             EditRefused: as edit(), and for handles of other vertices than the step's.
         """
         if isinstance(pose, (Mapping, Sequence)) and not isinstance(pose, str):
-            handles, text = [pose] if isinstance(pose, Mapping) else list(pose), ""
+            handles = [pose] if isinstance(pose, Mapping) else list(pose)
             if len(handles) != len(self._groups):
-                raise EditRefused(f"handles: there are {len(handles)}, but the step has {len(self._groups)} groups: give a dict for "
+                raise refused("handles", f"there are {len(handles)}, but the step has {len(self._groups)} groups: give a dict for "
                                   "each, in the step's order.")
             text = self._moved(handles)
         else:
-            fraction, text = _fraction(pose), ""
-        return self._mesh.result(*self._core.pose(_fraction(fraction), text, progress))
+            fraction, text = _fraction(pose), b""
+        return self._mesh.result(*self._core.pose(_fraction(fraction), text, _progress(progress)))
 
-    def _moved(self, handles: List[Mapping[str, Any]]) -> str:
+    def _moved(self, handles: List[Mapping[str, Any]]) -> bytes:
         """Returns the text of an edit with the groups of the step and the motions of handles."""
         groups = []
         for k, (own, given) in enumerate(zip(self._groups, handles)):
             if not isinstance(given, Mapping):
-                raise EditRefused(f"handles[{k}]: {type(given).__name__} is no handle group: give a dict, such as "
-                                  '{"translation": [0, 0, 1]}.')
+                raise refused(f"handles[{k}]", f"{type(given).__name__} is no handle group: give a dict, such as "
+                              '{"translation": [0, 0, 1]}.')
             motion = _convert.plain(given, len(self._mesh.points), f"handles[{k}]")
-            groups.append(motion if any(key in motion for key in _VERTEX_KEYS) else {**own, **motion})
-        return json.dumps({"laplacian_edit": 1, "steps": [{"region": {"component": True}, "handles": groups}]})
+            is_named = any(key in motion for key in (*_VERTEX_KEYS, "landmarks"))
+            groups.append(motion if is_named else {**own, **motion})
+        return json.dumps({"laplacian_edit": 1, "steps": [{"region": {"component": True}, "handles": groups}]}).encode()
 
     @property
     def region(self) -> Region:
@@ -203,21 +231,16 @@ class Editor:
         Returns:
             A handle group for a step or a pose: {"points": (k, 3), "targets": (k, 3)}, in the mesh's coordinate system.
         """
-        points, targets = _landmarks(os.path.join(self._folder, from_file), os.path.join(self._folder, to_file), self._space)[1:]
+        points, targets = _landmarks(from_file, to_file, self._space, self._folder)[1:]
         return {"points": points, "targets": targets}
 
 
-_VERTEX_KEYS = ("vertices", "points", "within", "selected", "landmarks")
+_VERTEX_KEYS = ("vertices", "points", "within", "selected")
 
 
-def _vertex_keys(text: str) -> List[Dict[str, Any]]:
-    """Returns of each handle group of an edit's one step the key that names its vertices."""
-    groups = json.loads(text.lstrip("\ufeff"))["steps"][0]["handles"]
-    return [{key: group[key] for key in _VERTEX_KEYS + ("weights",) if key in group} for group in groups]
-
-
-def _landmarks(from_file: Any, to_file: Any, space: str) -> tuple[List[str], numpy.ndarray, numpy.ndarray]:
-    return _core.landmarks(os.fspath(from_file), os.fspath(to_file), space)
+def _landmarks(from_file: Any, to_file: Any, space: str, folder: str = "") -> tuple[List[str], numpy.ndarray, numpy.ndarray]:
+    files = _convert.path_of(from_file, "from_file"), _convert.path_of(to_file, "to_file")
+    return _core.landmarks(*(os.fsencode(os.path.join(folder, file)) for file in files), space)
 
 
 def nearest(vertices: Any, faces: Any = None, points: Any = None) -> numpy.ndarray:
@@ -252,5 +275,6 @@ def fit_landmarks(from_file: Any, to_file: Any) -> Dict[str, Any]:
     """
     _landmarks(from_file, to_file, "")
     settings = json.loads(_core.landmark_settings())["steps"][0]
-    settings["handles"] = [{"landmarks": {"from": os.path.abspath(from_file), "to": os.path.abspath(to_file)}}]
+    settings["handles"] = [{"landmarks": {"from": os.path.abspath(_convert.path_of(from_file, "from_file")),
+                                             "to": os.path.abspath(_convert.path_of(to_file, "to_file"))}}]
     return {"laplacian_edit": 1, "steps": [settings]}

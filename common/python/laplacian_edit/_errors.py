@@ -2,18 +2,14 @@
 """The exception of this package."""
 from __future__ import annotations
 
-import re
 from typing import Any, Optional
-
-_KEY = re.compile(r'(?:"[^"]*": )?((?:edit|faces|fraction|from|handles|laplacian_edit|mesh|points|report|selected|selected_faces|'
-                  r'scans(?:\["[^"]*"\])?|space|steps|to|vertices)[\w.\[\]]*): ')
 
 
 class EditRefused(ValueError):
     """An edit was refused. The text says what is wrong, where, and what to do. Nothing was changed.
 
     Attributes:
-        key: the key or argument at fault, such as "steps[0].handles[1].vertices"; None if the text begins with none.
+        key: the key or argument at fault, such as "steps[0].handles[1].vertices"; None if the text is about none.
         cause: the kind of error, such as "BadIndex", "NotFinite", "BadParameter" or "MeshMismatch".
         vertex: the vertex that the text is about, or None.
     """
@@ -22,12 +18,16 @@ class EditRefused(ValueError):
     cause: str
     vertex: Optional[int]
 
-    def __init__(self, message: str, cause: str = "BadParameter", vertex: int = -1) -> None:
+    def __init__(self, message: str, cause: str = "BadParameter", vertex: int = -1, key: Optional[str] = None) -> None:
         super().__init__(message)
-        found = _KEY.match(message)
-        self.key = found[1] if found else None
+        self.key = key
         self.cause = cause
         self.vertex = vertex if vertex >= 0 else None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (str(self), self.cause, -1 if self.vertex is None else self.vertex)
+        return type(self), (str(self), self.cause, -1 if self.vertex is None else self.vertex, self.key)
+
+
+def refused(key: str, sentence: str, cause: str = "BadParameter") -> EditRefused:
+    """Returns the refusal of a key or argument."""
+    return EditRefused(f"{key}: {sentence}", cause, key=key)

@@ -2,13 +2,14 @@
 """Edits of meshes of PyMeshLab, whose own filters write the coordinates, so that no plugin is needed."""
 from __future__ import annotations
 
+import types
 from typing import Any, Dict, Mapping, Optional
 
 import numpy
 import pymeshlab as _pymeshlab  # type: ignore
 
 from . import _edit
-from ._errors import EditRefused
+from ._errors import refused
 
 _FILTER = "compute_coord_linear_morphing"
 #: The filter adds the difference of two meshes, which is rounded. Where the target cannot allow for that, since a coordinate
@@ -45,21 +46,21 @@ def edit(mesh_set: _pymeshlab.MeshSet, edit: _edit.Edit, fraction: float = 1.0, 
         EditRefused: the mesh set is then unchanged.
     """
     if not isinstance(mesh_set, _pymeshlab.MeshSet):
-        raise EditRefused(f"mesh_set: an object of the type {type(mesh_set).__name__} is no MeshSet: call "
+        raise refused("mesh_set", f"an object of the type {type(mesh_set).__name__} is no MeshSet: call "
                           "laplacian_edit.edit() for arrays and for meshes of other libraries.")
     # The name of later releases, which deprecate the other one.
     count = mesh_set.mesh_number() if hasattr(mesh_set, "mesh_number") else mesh_set.number_meshes()
     if count == 0:
-        raise EditRefused("mesh_set: there are 0 layers: open a triangle mesh first.", "EmptyMesh")
+        raise refused("mesh_set", "there are 0 layers: open a triangle mesh first.", "EmptyMesh")
     mesh = mesh_set.current_mesh()
     if not mesh.is_compact():
         mesh.compact()
     vertices, faces = mesh.vertex_matrix(), mesh.face_matrix()
-    result = _edit.edit(vertices, faces, edit, selected=mesh.vertex_selection_array(),
+    result = _edit.edit(types.SimpleNamespace(vertices=vertices, faces=faces), edit, selected=mesh.vertex_selection_array(),
                         selected_faces=mesh.face_selection_array(), scans=scans, landmarks_folder=landmarks_folder,
                         space=space, fraction=fraction, progress=progress)
     if not numpy.isfinite(vertices).all():
-        raise EditRefused("mesh_set: the current mesh has vertices that are not finite, which PyMeshLab cannot write: remove "
+        raise refused("mesh_set", "the current mesh has vertices that are not finite, which PyMeshLab cannot write: remove "
                           "them, or call laplacian_edit.edit() for its arrays.", "NotFinite")
     current = mesh_set.current_mesh_id()
     for _ in range(_MOST_PASSES):
