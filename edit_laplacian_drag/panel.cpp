@@ -135,7 +135,7 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
   const DragFigures figures = session.figures();
   progress_->setVisible(session.preparation().running);
   progress_->setValue(static_cast<int>(100 * session.preparation().progress));
-  progress_->setFormat(QString("%1 %p %").arg(session.preparation().stage));
+  progress_->setFormat(QString("%1 %p %").arg(session.preparation().stage.c_str()));
   const bool known = session.shown().region() != nullptr;
   const auto count = [known](int vertices) { return known ? QString::number(vertices) : QString(kUnknown); };
   region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")

@@ -115,7 +115,7 @@ LinePicture::Line LaplacianDragTool::line(bool usable) {
                                     : QString::fromStdString(session.message());
   if (session.preparation().running) {
     line.text += tr("  [preparing: %1, %2 %]")
-                     .arg(session.preparation().stage)
+                     .arg(session.preparation().stage.c_str())
                      .arg(static_cast<int>(100 * session.preparation().progress));
   }
   if (const std::string warning = session.warning(); !warning.empty() && notice_.isEmpty()) {

@@ -24,9 +24,9 @@ namespace lapedit::support {
 /// A solver of a region that is ready for poses.
 struct Prepared : StepSolver {
   Prepared(const TriangleMesh& mesh, const Region& region, const EditSettings& settings = {},
-           const StepOptions& options = {}, const Progress& progress = {}, const LaplacianSystem* previous = nullptr)
+           const StepOptions& options = {}, const LaplacianSystem* previous = nullptr)
       : StepSolver(mesh, {std::make_shared<const Region>(region)}, settings, options) {
-    prepare(mesh, progress, previous);
+    prepare(mesh, previous);
   }
 };
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/stopwatch.h"
 #include "lapedit_host/mesh_bridge.h"
 
 namespace lapedit::host {
@@ -140,8 +141,16 @@ FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& pa
   for (const Parameter& parameter : filter.parameters) {
     values.set(parameter.name, read_value(parameter, parameters.getParameterByName(parameter.name).value()));
   }
-  const auto progress = [callback](double fraction, const char* stage) {
-    return callback == nullptr || callback(static_cast<int>(100 * fraction), stage);
+  // Some versions print a line for each call.
+  const auto progress = [callback, watch = Stopwatch(), shown = -1](double fraction, const char* stage) mutable {
+    constexpr double kBetweenCalls = 50;  // milliseconds
+    const int percent = static_cast<int>(100 * fraction);
+    if (callback == nullptr || (percent == shown && watch.elapsed() < kBetweenCalls)) {
+      return true;
+    }
+    shown = percent;
+    watch = Stopwatch();
+    return callback(percent, stage);
   };
   return filter.run(values, *mesh, progress);
 }

@@ -120,6 +120,7 @@ ScanReader layer_reader(const std::vector<DocumentLayer>& layers, const CMeshO& 
 }
 
 EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, const Progress& progress) {
+  const ProgressScope scope(progress);
   EditedMesh edited;
   edited.bridged = read_mesh(host);
   const TriangleMesh& mesh = edited.bridged.mesh;
@@ -128,8 +129,7 @@ EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, 
   edited.adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
   const SelectedVertices selection = {selected_vertices(host, edited.bridged),
                                       vertices_of_selected_faces(host, edited.bridged)};
-  edited.pose =
-      std::move(apply_edit(mesh, edited.adjacency, edit, selection, {fraction}, kStoredScalar, progress).front());
+  edited.pose = std::move(apply_edit(mesh, edited.adjacency, edit, selection, {fraction}, kStoredScalar).front());
   count_self_intersections(mesh, edited.pose, kFewVertices);
   return edited;
 }

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <exception>
+#include <new>
 
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/vertex_set.h"
@@ -221,7 +221,7 @@ void count_self_intersections(const TriangleMesh& before, EditResult& result, in
   }
   try {
     result.reports.back().new_intersections = new_self_intersections(before, result);
-  } catch (const std::exception&) {
+  } catch (const std::bad_alloc&) {
     // An edit must not fail because memory for a figure is missing.
   }
 }

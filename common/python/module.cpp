@@ -199,13 +199,15 @@ class Call {
   std::string stage_;
 };
 
-/// Runs work without Python's lock. @param work  gets a Progress. @throws as Call::finish()
+/// Runs work without Python's lock. @throws as Call::finish()
 template <class Work>
 void attend(const nb::object& progress, const Work& work) {
   Call call(progress);
   std::exception_ptr failure;
   try {
-    work(Progress(std::ref(call)));
+    const Progress progress_of_call = std::ref(call);
+    const ProgressScope scope(progress_of_call);
+    work();
   } catch (...) {
     failure = std::current_exception();
   }
@@ -294,7 +296,7 @@ std::string report_text(const TriangleMesh& mesh, double fraction, const std::ve
 nb::tuple edit(const Given& given, double fraction, const nb::object& progress) {
   EditResult result;
   std::string report;
-  attend(progress, [&](const Progress& update) {
+  attend(progress, [&] {
     const Running running;
     const TriangleMesh& mesh = given.mesh;
     const Edit edit = with_scans(given.read(given.text), [&given](const FitStep& fit) { return given.scan_of(fit); });
@@ -303,7 +305,7 @@ nb::tuple edit(const Given& given, double fraction, const nb::object& progress) 
     options.threads = running.threads(mesh.vertices.rows());
     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, options.threads);
     result = std::move(
-        apply_edit(mesh, adjacency, edit, given.selection, {fraction}, given.scalar, update, options).front());
+        apply_edit(mesh, adjacency, edit, given.selection, {fraction}, given.scalar, {}, options).front());
     report = report_text(mesh, fraction, result.reports);
   });
   return nb::make_tuple(array_of(std::move(result.vertices)), array_of(std::move(result.positions)), text_of(report));
@@ -314,19 +316,19 @@ class Editor {
  public:
   /// @param given  is consumed
   Editor(Given& given, const nb::object& progress) : given_(std::move(given)) {
-    attend(progress, [this](const Progress& update) { prepare(update); });
+    attend(progress, [this] { prepare(); });
   }
 
   /// @param handles  JSON of an edit whose one step has the groups with other motions; empty: their own
   nb::tuple pose(double fraction, const nb::bytes& handles, const nb::object& progress) {
     std::vector<int> vertices;
     Points positions;
-    attend(progress, [&, text = string_of(handles)](const Progress& update) {
-      const Turn turn(*this, update);
+    attend(progress, [&, text = string_of(handles)] {
+      const Turn turn(*this);
       move_to(text);
       report_.clear();
       is_posed_ = false;
-      step_->pose(fraction, vertices_, positions_, update);
+      step_->pose(fraction, vertices_, positions_);
       vertices = vertices_;
       positions = positions_;
       fraction_ = fraction;
@@ -338,8 +340,8 @@ class Editor {
   /// Returns the report of the last pose.
   nb::object report() {
     std::string text;
-    attend(nb::none(), [&](const Progress& update) {
-      const Turn turn(*this, update);
+    attend(nb::none(), [&] {
+      const Turn turn(*this);
       if (!is_posed_) {
         throw EditError(ErrorCause::BadParameter, "report: there is no pose yet: call pose() first.").at("report");
       }
@@ -366,14 +368,14 @@ class Editor {
   /// Waits until no other thread uses the editor. The progress function of a pose must not call the same editor.
   class Turn {
    public:
-    Turn(Editor& editor, const Progress& update) : editor_(editor) {
+    explicit Turn(Editor& editor) : editor_(editor) {
       if (editor.user_ == std::this_thread::get_id()) {
         throw EditError(ErrorCause::BadParameter,
                         "progress: the function calls the Editor that calls it: use another Editor there.")
             .at("progress");
       }
       while (!editor.mutex_.try_lock_for(std::chrono::milliseconds(10))) {
-        report_progress(update, 0, "waiting");
+        report_progress(0, "waiting");
       }
       editor.user_ = std::this_thread::get_id();
     }
@@ -388,7 +390,7 @@ class Editor {
     Editor& editor_;
   };
 
-  void prepare(const Progress& update) {
+  void prepare() {
     const Running running;
     const Edit edit = given_.read(given_.text);
     validate(given_.mesh);
@@ -405,7 +407,7 @@ class Editor {
     }
     keyed("steps", 0, [&] {
       step_ = std::make_unique<PreparedStep>(mesh_, joined, own_, options);
-      step_->prepare(joined ? joined->adjacency : adjacency_, 1, update);
+      step_->prepare(joined ? joined->adjacency : adjacency_, 1);
     });
   }
 
@@ -456,13 +458,13 @@ nb::tuple nearest(const PointArray& vertices, const FaceArray& faces, const Poin
   std::vector<double> distances;
   const TriangleMesh mesh = {points_of(vertices), faces_of(faces)};
   const Points all = points_of(points);
-  attend(nb::none(), [&](const Progress& update) {
+  attend(nb::none(), [&] {
     constexpr Eigen::Index kBetweenCalls = 1024;
     validate(mesh);
     const VertexFinder finder(mesh);
     for (Eigen::Index k = 0; k < all.rows(); ++k) {
       if (k % kBetweenCalls == 0) {
-        report_progress(update, static_cast<double>(k) / static_cast<double>(all.rows()), "nearest");
+        report_progress(static_cast<double>(k) / static_cast<double>(all.rows()), "nearest");
       }
       const VertexFinder::Found one = finder.anywhere(all.row(k).transpose(), "points[" + std::to_string(k) + "]");
       found.push_back(one.vertex);

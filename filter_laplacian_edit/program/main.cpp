@@ -96,19 +96,23 @@ class ProgressLine {
   ~ProgressLine() { clear(); }
 
   void show(double fraction, const char* stage) {
-    if (is_wanted_) {
-      std::fprintf(stderr, "\r\033[K%3d %% %.60s", static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0)), stage);
-      is_shown_ = true;
+    const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
+    if (is_wanted_ && (percent != percent_ || stage != stage_)) {
+      std::fprintf(stderr, "\r\033[K%3d %% %.60s", percent, stage);
+      percent_ = percent;
+      stage_ = stage;
     }
   }
 
   void clear() {
-    std::fputs(is_shown_ ? "\r\033[K" : "", stderr);
-    is_shown_ = false;
+    std::fputs(percent_ >= 0 ? "\r\033[K" : "", stderr);
+    percent_ = -1;
   }
 
  private:
-  bool is_wanted_, is_shown_ = false;
+  bool is_wanted_;
+  int percent_ = -1;  // shown; -1: none
+  std::string stage_;
 };
 
 class Job {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "allocation_watch.h"
+#include "base_support.h"
 #include "no_threads.h"
 
 namespace lapedit::thread_pool_test {
@@ -276,12 +277,111 @@ TEST(ThreadPool, WhatAPieceThrowsReachesTheCallerWhenTheOthersAreDone) {
       } catch (const std::runtime_error& error) {
         EXPECT_STREQ(error.what(), "seven");
       }
-      EXPECT_EQ(done, threads == 1 ? 7 : 19);  // one thread stops there
+      EXPECT_EQ(done, 19);
       done = 0;
       pool.each(20, [&](int) { ++done; });  // as good as before
       EXPECT_EQ(done, 20);
     }
   }
+}
+
+/// Fails if a host is called on a thread that it does not know, or not called while its own thread waits.
+TEST(ThreadPool, CallsTheProgressFunctionOnTheCallersThreadAlone) {
+  ThreadPool pool(2), inner(2);
+  const auto caller = std::this_thread::get_id();
+  std::atomic<int> calls{0};
+  std::set<std::string> stages;
+  const Progress progress = [&](double fraction, const char* stage) {
+    EXPECT_EQ(std::this_thread::get_id(), caller);
+    EXPECT_GE(fraction, 0.25);
+    stages.insert(stage);
+    ++calls;
+    return true;
+  };
+  const ProgressScope scope(progress);
+  report_progress(0.25, "whole");
+  std::atomic<bool> helped{false};
+  pool.each(2, [&](int) {
+    if (std::this_thread::get_id() == caller) {
+      waited_for([&] { return helped.load(); });
+      return;
+    }
+    helped = true;
+    report_progress(0.5, "helper");
+    inner.each(2, [&](int) {
+      const int before = calls;
+      EXPECT_TRUE(waited_for([&] {
+        checkpoint();
+        return calls > before;
+      }));
+    });
+  });
+  EXPECT_TRUE(helped);
+  EXPECT_EQ(stages.count("helper"), 1U);
+}
+
+/// Fails if work goes on after a cancellation, on any thread, or if the function is called again.
+TEST(ThreadPool, CancellationEndsThePiecesOfAllThreads) {
+  for (const bool throws : {false, true}) {
+    for (const int threads : {1, 2, 4}) {
+      ThreadPool pool(threads);
+      int calls = 0;
+      const Progress progress = [&](double, const char*) {
+        if (++calls == 3 && throws) {
+          throw std::runtime_error("a host's own");
+        }
+        return calls < 3;
+      };
+      const ProgressScope scope(progress);
+      std::atomic<int> begun{0};
+      support::expect_refusal(ErrorCause::Cancelled, [&] {
+        pool.each(100, [&](int) {
+          ++begun;
+          waited_for([] {
+            checkpoint();
+            return false;
+          });
+        });
+      });
+      EXPECT_LE(begun, threads);
+      EXPECT_EQ(calls, 3);
+      support::expect_refusal(ErrorCause::Cancelled, [&] { pool.each(1, [&](int) { ++calls; }); });
+      EXPECT_EQ(calls, 3);
+    }
+  }
+}
+
+/// Fails if an edit that a host makes inside its function takes the function for its own, or a scope outlives its end.
+TEST(Progress, ScopesAreNestedAndEmptyOnesKeepTheOuter) {
+  std::vector<std::string> heard;
+  const Progress outer = [&heard](double fraction, const char* stage) {
+    heard.push_back(std::string(stage) + (fraction == 0.75 ? " 0.75" : ""));
+    checkpoint();
+    return true;
+  };
+  const Progress empty, stop = [](double, const char*) { return false; };
+  checkpoint();
+  {
+    const ProgressScope scope(outer);
+    const ProgressScope same(empty);
+    {
+      const ProgressPart part(1, 2);
+      report_progress(0.5, "first");
+    }
+    report_progress(0.5, "second");  // fractions do not fall
+    {
+      const ProgressScope inner(stop);
+      support::expect_refusal(ErrorCause::Cancelled, [] { checkpoint(); });
+    }
+    checkpoint(kWorkPerCall - 1);
+    EXPECT_EQ(heard.size(), 2U);
+    Checkpoints checkpoints;
+    for (int k = 0; k < kWorkPerCall; ++k) {
+      checkpoints();
+    }
+  }
+  checkpoint();
+  EXPECT_EQ(heard, (std::vector<std::string>{"first 0.75", "second 0.75", "second 0.75"}));
 }
 
 /// A helper that gets no processor: fails if anything but the piece that it is at waits for it.

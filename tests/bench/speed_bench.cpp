@@ -68,7 +68,7 @@ void prepare(const Problem& scene, StepSolver& solver, const lapedit::LaplacianS
   if (solver.region().size() >= kPreviewFrom) {
     solver.make_cells(scene.edit.mesh);
   }
-  solver.prepare(scene.edit.mesh, {}, previous);
+  solver.prepare(scene.edit.mesh, previous);
 }
 
 /// Returns the region with another handle, and the same anchors.

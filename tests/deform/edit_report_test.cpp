@@ -141,7 +141,7 @@ TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
 TEST(EditReport, HeightOfDetailIsThatOfTheBumps) {
   const TriangleMesh mesh = shapes::bumpy_grid();
   const auto system_of = [](const TriangleMesh& of, EditMethod method) {
-    return prepare_system(of, support::rest_pose(of, whole(of)), EditSettings::of(method), {}, nullptr, {});
+    return prepare_system(of, support::rest_pose(of, whole(of)), EditSettings::of(method), {}, nullptr);
   };
   const auto system = system_of(mesh, EditMethod::Paper);
   EXPECT_NEAR(detail_height(*system, mesh.vertices).value(), 1, 1e-5);

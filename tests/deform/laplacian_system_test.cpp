@@ -34,7 +34,7 @@ struct Scene {
 
 System prepared(const TriangleMesh& mesh, const Region& region, const EditSettings& settings,
                 const LaplacianSystem* previous = nullptr) {
-  return prepare_system(mesh, support::rest_pose(mesh, region), settings, {}, previous, {});
+  return prepare_system(mesh, support::rest_pose(mesh, region), settings, {}, previous);
 }
 
 const EditSettings kSettings[] = {EditSettings(), EditSettings::of(EditMethod::Paper)};

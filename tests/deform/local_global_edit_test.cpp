@@ -142,23 +142,6 @@ TEST(LocalGlobalEdit, BitsAreThoseOfOlderProcessors) {
   }
 }
 
-TEST(LocalGlobalEdit, CanBeCancelledAndGoOnAfterwards) {
-  const Scene s = patches();
-  support::Prepared solver = s.solver();
-  const Points expected = solver.pose(s.maps);
-  int stages = 0;
-  solver.pose(interpolated(s.maps, 0.3), Affine::Identity(), [&](double, const char*) { return ++stages > 0; });
-  EXPECT_GT(stages, 1);
-  EXPECT_TRUE(same_bits(solver.pose(s.maps), expected));
-  for (int stop = 0; stop < stages; ++stop) {
-    int call = 0;
-    support::expect_refusal(ErrorCause::Cancelled, [&] {
-      solver.pose(interpolated(s.maps, 0.3), Affine::Identity(), [&](double, const char*) { return call++ < stop; });
-    });
-    EXPECT_TRUE(same_bits(solver.pose(s.maps), expected)) << "cancelled at " << stop;
-  }
-}
-
 // --- strange regions ---
 
 /// Fails if there are too few vertices for cells, or none that is free.

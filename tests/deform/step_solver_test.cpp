@@ -433,20 +433,55 @@ TEST_F(SolverErrors, StaysUsableAfterARefusedSolve) {
 }
 
 TEST_F(SolverErrors, EveryStageCanBeCancelled) {
+  const StepOptions alone = {StoredScalar::Double, {}, {1}};
   std::vector<double> fractions;
-  const Prepared uncancelled(mesh, region, {}, {}, [&](double fraction, const char* stage) {
+  const Progress count = [&](double fraction, const char* stage) {
     EXPECT_NE(std::string(stage), "");
     fractions.push_back(fraction);
     return true;
-  });
+  };
+  {
+    const ProgressScope scope(count);
+    const Prepared uncancelled(mesh, region, {}, alone);
+  }
   EXPECT_GT(fractions.size(), 2U);
   EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
   EXPECT_TRUE(fractions.front() >= 0 && fractions.back() <= 1);
   for (std::size_t stop = 0; stop < fractions.size(); ++stop) {
     std::size_t call = 0;
-    support::expect_refusal(ErrorCause::Cancelled, [&] {
-      Prepared(mesh, region, {}, {}, [&](double, const char*) { return call++ < stop; });
-    });
+    const Progress until = [&](double, const char*) { return call++ < stop; };
+    const ProgressScope scope(until);
+    support::expect_refusal(ErrorCause::Cancelled, [&] { Prepared(mesh, region, {}, alone); });
+    EXPECT_EQ(call, stop + 1);
+  }
+}
+
+/// Fails if a pose that was ended in the middle leaves something that a later one takes for its own. The whole mesh
+/// moves, so each pose starts from another place.
+TEST(StepSolver, CancelledPosesLeaveNoTrace) {
+  const TriangleMesh mesh = wavy_letters(40, 24);
+  const Region region = support::whole_region(mesh, {{400}, {480}}, {});
+  const std::vector<HandleMotion> good = {support::shift(Vector3(0, 0, 0.3)), support::shift(Vector3(0, 0, 0.2))};
+  const std::vector<HandleMotion> other = {support::shift(Vector3(1, 0, 0.3)), support::shift(Vector3(0, 1, 0.2))};
+  for (const EditMethod method : {EditMethod::Default, EditMethod::Paper, EditMethod::Linear}) {
+    Prepared solver(mesh, region, EditSettings::of(method), {StoredScalar::Double, {}, {1}});
+    const Points expected = solver.pose(good);
+    int stopped = 0;
+    for (bool is_done = false; !is_done; ++stopped) {
+      for (const std::vector<HandleMotion>* motions : {&other, &good}) {
+        int calls = 0;
+        const Progress until = [&](double, const char*) { return calls++ < stopped; };
+        const ProgressScope scope(until);
+        try {
+          solver.pose(*motions);
+          is_done = true;
+        } catch (const EditError& error) {
+          ASSERT_EQ(error.cause(), ErrorCause::Cancelled);
+        }
+      }
+      ASSERT_TRUE(support::same_bits(solver.pose(good), expected)) << name(method) << ", call " << stopped;
+    }
+    EXPECT_GT(stopped, 5) << name(method);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -464,7 +465,7 @@ TEST(EditTargets, UnusableOnesAreRefusedWithGroupAndNumbers) {
 std::string early_refusal(const TriangleMesh& mesh, const EditStep& step) {
   return refusal(ErrorCause::BadParameter, mesh, edit_of({step}), 1, StoredScalar::Double,
                  [](double, const char* stage) {
-                   EXPECT_STREQ(stage, "region");
+                   EXPECT_TRUE(std::string(stage) == "mesh" || std::string(stage) == "region") << stage;
                    return true;
                  });
 }
@@ -518,7 +519,7 @@ TEST(Edit, ProgressRisesOverAllStepsAndFractionsAndCanCancel) {
   const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3}, {1, 0, 0})});
   for (const std::vector<double>& fractions : {std::vector<double>{1}, kFractions}) {
     const auto apply = [&](const Progress& progress) {
-      apply_edit(mesh, adjacency, edit, {}, fractions, StoredScalar::Double, progress);
+      apply_edit(mesh, adjacency, edit, {}, fractions, StoredScalar::Double, progress, {1});
     };
     std::vector<double> seen;
     apply([&](double fraction, const char* stage) {
@@ -535,6 +536,69 @@ TEST(Edit, ProgressRisesOverAllStepsAndFractionsAndCanCancel) {
       support::expect_refusal(ErrorCause::Cancelled,
                               [&] { apply([&](double, const char*) { return calls++ != stop; }); });
       EXPECT_EQ(calls, stop + 1);
+    }
+  }
+}
+
+/// Counts the calls of an edit's stages on a grid of n x n, in one thread.
+std::map<std::string, int> calls_of(EditStep step, int n, int* all = nullptr, int last = -1) {
+  const TriangleMesh mesh = shapes::grid(n, n);
+  step.region.kind = RegionSpec::Kind::Component;
+  step.handles = pull({n * n / 2 + n / 2}, {0, 0, 3}).handles;
+  std::map<std::string, int> calls;
+  int count = 0;
+  apply_edit(mesh, edit_of({step}), 1, StoredScalar::Double,
+             [&](double, const char* stage) {
+               ++calls[stage];
+               if (all) {
+                 *all = count + 1;
+               }
+               return ++count != last;
+             },
+             {1});
+  return calls;
+}
+
+std::vector<EditStep> steps_of_all_kinds() {
+  std::vector<EditStep> steps(5);
+  steps[1].settings = EditSettings::of(EditMethod::Linear);
+  steps[2].settings = EditSettings::of(EditMethod::Paper);
+  steps[3].settings = EditSettings::of(EditMethod::Linear);
+  steps[3].settings.order = 2;
+  steps[4].region.connect_gap = 0.5;
+  return steps;
+}
+
+/// The work between two calls has a limit that does not depend on the mesh: four times the vertices make about four
+/// times the calls of each stage. Fails if a stage cannot be cancelled within it.
+TEST(Edit, AsksAsOftenAsItsWorkGrows) {
+  constexpr int kSmall = 150, kVertices = 2000;  // vertices per call, at most
+  for (const EditStep& step : steps_of_all_kinds()) {
+    const std::map<std::string, int> few = calls_of(step, kSmall), many = calls_of(step, 2 * kSmall);
+    for (const char* stage : {"mesh", "region", "operator", "factorisation", "solve", "done"}) {
+      ASSERT_EQ(many.count(stage), 1U) << stage;
+      if (std::string(stage) != "done") {
+        EXPECT_GE(many.at(stage), 4 * kSmall * kSmall / kVertices) << stage;
+        EXPECT_GE(many.at(stage), 2 * few.at(stage)) << stage;
+      }
+    }
+    if (step.settings.method == EditMethod::Default) {
+      EXPECT_GE(many.at("cells") + many.at("rotations"), 4 * kSmall * kSmall / kVertices);
+    }
+  }
+}
+
+/// Fails if a call that ends the edit is followed by another, or the edit is not refused.
+TEST(Edit, EndsAtEachCallOfEachKind) {
+  constexpr int kSize = 45;
+  for (const EditStep& step : steps_of_all_kinds()) {
+    int all = 0;
+    calls_of(step, kSize, &all);
+    ASSERT_GT(all, 20);
+    for (int last = 1; last <= all; last += last < 20 ? 1 : 7) {
+      int called = 0;
+      support::expect_refusal(ErrorCause::Cancelled, [&] { calls_of(step, kSize, &called, last); });
+      EXPECT_EQ(called, last);
     }
   }
 }

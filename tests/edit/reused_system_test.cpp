@@ -39,7 +39,7 @@ struct Job {
     }
   }
   Prepared solver(const LaplacianSystem* previous = nullptr) const {
-    return {mesh, region, settings, {StoredScalar::Double, {}, options}, {}, previous};
+    return {mesh, region, settings, {StoredScalar::Double, {}, options}, previous};
   }
   std::shared_ptr<const LaplacianSystem> system(const LaplacianSystem* previous = nullptr) const {
     return solver(previous).system();

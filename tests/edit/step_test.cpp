@@ -33,7 +33,7 @@ struct Scene {
                                      const SolverOptions& options = {}) const {
     auto made = std::make_unique<StepSolver>(mesh, find_region(mesh, adjacency, step.region, groups_of(step)),
                                              step.settings, StepOptions{scalar, {}, options});
-    made->prepare(mesh, {}, previous);
+    made->prepare(mesh, previous);
     return made;
   }
   std::vector<HandleMotion> maps() const {

@@ -7,12 +7,12 @@
 #include <memory>
 #include <numeric>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "base_support.h"
 #include "linear/operators.h"
 
 namespace lapedit::fill_reducing_ordering_test {
@@ -95,24 +95,27 @@ TEST(EliminationOrder, DependsOnTheGraphAlone) {
 }
 
 /// Fails if a caller that wants to cancel waits for the whole order, or gets one that was not finished.
-TEST(EliminationOrder, CallsBetweenPiecesAndEndsByAnException) {
+TEST(EliminationOrder, CanBeCancelledBetweenPieces) {
   const IndexLists graph = surface(Surface::Plane, 250, 200).neighbours();
+  const std::vector<int> order = fill_reducing_ordering(graph, 1);
   const std::thread::id caller = std::this_thread::get_id();
   for (const int threads : {1, 3}) {
-    int calls = 0;
-    const auto count = [&] {
+    int calls = 0, last = 0;
+    const Progress progress = [&](double, const char*) {
       EXPECT_EQ(std::this_thread::get_id(), caller);
-      ++calls;
+      return ++calls != last;
     };
-    EXPECT_TRUE(fill_reducing_ordering(graph, threads, count) == fill_reducing_ordering(graph, 1));
-    EXPECT_GT(calls, threads == 1 ? 100 : 0);
-    int called = 0;
-    const auto stop = [&] {
-      ++called;
-      throw std::runtime_error("stop");
-    };
-    EXPECT_THROW(fill_reducing_ordering(graph, threads, stop), std::runtime_error);
-    EXPECT_EQ(called, 1);
+    {
+      const ProgressScope scope(progress);
+      EXPECT_TRUE(fill_reducing_ordering(graph, threads) == order);
+    }
+    EXPECT_GT(calls, threads == 1 ? 100 : 10);
+    for (last = 1; last < 10; ++last) {
+      calls = 0;
+      const ProgressScope scope(progress);
+      support::expect_refusal(ErrorCause::Cancelled, [&] { fill_reducing_ordering(graph, threads); });
+      EXPECT_EQ(calls, last);
+    }
   }
 }
 

@@ -153,8 +153,11 @@ TEST(RefinedSolver, CanBeCancelledAndGoesOnAfterwards) {
   RefinedSolver solver(p.factored(p.known), nullptr, p.pool);
   Points expected, x;
   solver.refine_to_the_bit(p.right, expected);
-  support::expect_refusal(ErrorCause::Cancelled,
-                          [&] { solver.refine_to_the_bit(2 * p.right, x, [](double, const char*) { return false; }); });
+  {
+    const Progress stop = [](double, const char*) { return false; };
+    const ProgressScope scope(stop);
+    support::expect_refusal(ErrorCause::Cancelled, [&] { solver.refine_to_the_bit(2 * p.right, x); });
+  }
   solver.refine_to_the_bit(p.right, x);
   EXPECT_TRUE(support::same_bits(x, expected));
 }

@@ -17,8 +17,9 @@ class Gate {
   using Clock = std::chrono::steady_clock;
 
   /// Returns when ready() is true; ready() reads atomics and is called often. @return the time spent waiting
+  /// @param limit  0: none; otherwise it returns about after this time in any case
   template <class Ready>
-  Clock::duration wait(const Ready& ready) {
+  Clock::duration wait(const Ready& ready, Clock::duration limit = {}) {
     // About the cost of waking a sleeping thread.
     constexpr std::chrono::microseconds kPatience{50};
     constexpr int kLooks = 32;
@@ -35,7 +36,11 @@ class Gate {
     } while (now - start < kPatience);
     std::unique_lock<std::mutex> lock(mutex_);
     ++asleep_;  // Before ready() is called, so that open() in another thread sees it: prevents a lost wake-up.
-    wake_.wait(lock, ready);
+    if (limit > Clock::duration()) {
+      wake_.wait_for(lock, limit, ready);
+    } else {
+      wake_.wait(lock, ready);
+    }
     --asleep_;
     return Clock::now() - start;
   }

@@ -87,11 +87,16 @@ bool ThreadPool::has_pieces() const {
 
 void ThreadPool::work(Function function, const void* context, int piece) noexcept {
   try {
+    checkpoint(0);
     function(context, piece);
   } catch (...) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    error_ = std::current_exception();
+    keep_error();
   }
+}
+
+void ThreadPool::keep_error() noexcept {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  error_ = std::current_exception();
 }
 
 void ThreadPool::run(int pieces, Function function, const void* context) {
@@ -106,6 +111,7 @@ void ThreadPool::run(int pieces, Function function, const void* context) {
   done_ = 0;
   function_ = function;
   context_ = context;
+  scope_ = ProgressScope::current();
   pieces_ = pieces;
   for_work_.open();
   int piece = 0;
@@ -113,8 +119,12 @@ void ThreadPool::run(int pieces, Function function, const void* context) {
     work(function, context, piece);
     ++done_;
   }
-  if (done_.load() < pieces) {
-    wait(for_the_end_, [&] { return done_.load() == pieces; });
+  while (done_.load() < pieces) {
+    try {
+      wait(for_the_end_, [&] { return done_.load() == pieces; });
+    } catch (...) {
+      keep_error();  // Helpers still use what belongs to the caller.
+    }
   }
   settle_accounts();
   if (error_) {
@@ -124,7 +134,10 @@ void ThreadPool::run(int pieces, Function function, const void* context) {
 
 void ThreadPool::run_alone(int pieces, Function function, const void* context) {
   for (int piece = 0; piece < pieces; ++piece) {
-    function(context, piece);
+    work(function, context, piece);
+  }
+  if (error_) {
+    std::rethrow_exception(std::exchange(error_, nullptr));
   }
 }
 
@@ -146,12 +159,14 @@ void ThreadPool::help() {
     if (take(number, piece)) {
       const std::int64_t start = processor_time();
       do {
+        ProgressScope::work_for(scope_.load());
         work(function_.load(), context_.load(), piece);
         // The caller may have begun another job before the piece is counted.
         if (++done_ == pieces_.load()) {
           for_the_end_.open();
         }
       } while (take(number, piece));
+      ProgressScope::work_for(nullptr);
       helped_ += processor_time() - start;
     } else {
       for_work_.wait([this] { return quit_ || has_pieces(); });

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lapedit/base/gate.h"
+#include "lapedit/base/progress.h"
 
 namespace lapedit {
 
@@ -19,26 +20,13 @@ int thread_count(int threads);
 /// Limits thread_count() in the whole process from now on, for one of several processes that share a machine.
 void limit_threads(int most);
 
-/// Calls a function only on the thread that constructed the object: for parallel work whose caller gets a call between
-/// pieces. The function must outlive the object; if it is empty, nothing is called.
-class OnThisThread {
- public:
-  explicit OnThisThread(const std::function<void()>& function) : function_(function) {}
-  void operator()() const {
-    if (function_ && std::this_thread::get_id() == thread_) {
-      function_();
-    }
-  }
-
- private:
-  const std::function<void()>& function_;
-  std::thread::id thread_ = std::this_thread::get_id();
-};
-
 /// Divides loops among helper threads that live as long as the pool. A call starts no thread and allocates nothing, so
 /// the pool suits repeated work of fractions of a millisecond. Each idle thread takes the next piece, so a thread that
 /// loses its processor delays one piece only. If the caller waits longer than the helpers work, as on a machine with
 /// other load, it works alone for a while.
+///
+/// Helpers work for the ProgressScope of the caller. Only the caller's thread calls the progress function, also while
+/// it waits for helpers; after a cancellation no further piece begins.
 class ThreadPool {
  public:
   /// If the system refuses threads there are fewer, at worst only the caller's own.
@@ -60,12 +48,18 @@ class ThreadPool {
   }
 
   /// Waits as Gate::wait() does, for pieces that depend on each other; the caller's waiting time is counted.
+  /// @throws EditError (Cancelled)
   template <class Ready>
   void wait(Gate& gate, const Ready& ready) {
-    const Gate::Clock::duration time = gate.wait(ready);
-    if (std::this_thread::get_id() == caller_) {
-      waited_ += time;
-    }
+    constexpr std::chrono::milliseconds kBetweenCalls{5};
+    const bool may_end = ProgressScope::current() != nullptr;
+    do {
+      const Gate::Clock::duration time = gate.wait(ready, may_end ? kBetweenCalls : Gate::Clock::duration());
+      if (std::this_thread::get_id() == caller_) {
+        waited_ += time;
+      }
+      checkpoint(may_end && !ready() ? kWorkPerCall : 0);
+    } while (!ready());
   }
 
  private:
@@ -75,6 +69,7 @@ class ThreadPool {
   void run_alone(int pieces, Function function, const void* context);
   bool take(std::uint64_t number, int& piece);
   void work(Function function, const void* context, int piece) noexcept;
+  void keep_error() noexcept;
   bool has_pieces() const;
   void help();
   void settle_accounts();
@@ -86,6 +81,7 @@ class ThreadPool {
   std::atomic<int> done_{0};
   std::atomic<Function> function_{nullptr};
   std::atomic<const void*> context_{nullptr};
+  std::atomic<ProgressScope*> scope_{nullptr};
   std::atomic<bool> quit_{false};
   Gate for_work_, for_the_end_;
   std::mutex mutex_;
@@ -105,8 +101,10 @@ template <class Body>
 void in_pieces(ThreadPool& pool, int count, int grain, const Body& body) {
   const int pieces = count / grain > 0 ? count / grain : (count > 0 ? 1 : 0);
   pool.each(pieces, [&](int piece) {
-    body(static_cast<int>(static_cast<std::int64_t>(count) * piece / pieces),
-         static_cast<int>(static_cast<std::int64_t>(count) * (piece + 1) / pieces));
+    const auto first = static_cast<int>(static_cast<std::int64_t>(count) * piece / pieces);
+    const auto last = static_cast<int>(static_cast<std::int64_t>(count) * (piece + 1) / pieces);
+    body(first, last);
+    checkpoint(last - first);
   });
 }
 
@@ -124,7 +122,10 @@ void for_indices(ThreadPool& pool, int count, int grain, const Body& body) {
 /// so that sums have a fixed order.
 template <class Body>
 void in_chunks(ThreadPool& pool, int chunks, std::int64_t count, const Body& body) {
-  pool.each(chunks, [&](int chunk) { body(chunk, count * chunk / chunks, count * (chunk + 1) / chunks); });
+  pool.each(chunks, [&](int chunk) {
+    body(chunk, count * chunk / chunks, count * (chunk + 1) / chunks);
+    checkpoint(static_cast<int>(count / chunks));
+  });
 }
 
 }  // namespace lapedit

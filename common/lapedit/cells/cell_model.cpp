@@ -34,11 +34,11 @@ LAPEDIT_INLINE float sum_of(Four v) {
 }  // namespace
 
 CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
-                     ThreadPool&& pool, const Progress& progress)
+                     ThreadPool&& pool)
     : rest_(std::move(rest)),
       settings_(settings),
       cells_(cells_of(mesh, *rest_, settings, pool)),
-      blend_((report_progress(progress, 0.05, "cells"), CellBlend(cells_, rest_->local, pool))),
+      blend_((report_progress(0.05, "cells"), CellBlend(cells_, rest_->local, pool))),
       pose_(*rest_->region, rest_->local, cells_, blend_, settings_),
       paths_(*rest_->region, rest_->local, rest_->origin),
       hold_(rest_->region->size(), 0),

@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "lapedit/base/progress.h"
 #include "lapedit/base/simd.h"
 #include "lapedit/cells/cell_pose.h"
 #include "lapedit/deform/rest_pose.h"
@@ -20,7 +19,7 @@ class CellModel {
   /// @param mesh,pool  rest pose and threads; not kept after construction
   /// Cost: O(edges), some milliseconds per 10000 vertices. @throws EditError (IllConditioned, Cancelled)
   CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
-            ThreadPool&& pool, const Progress& progress = {});
+            ThreadPool&& pool);
 
   const std::shared_ptr<const RestPose>& rest() const { return rest_; }
   const RegionCells& cells() const { return cells_; }

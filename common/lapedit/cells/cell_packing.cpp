@@ -322,6 +322,7 @@ void Packing::claim(int seed, int cell, std::vector<int>& of) {
       }
     }
   }
+  checkpoint(static_cast<int>(queue_.size()));
 }
 
 /// Returns the other vertex with equal marks if there is exactly one, as on a mesh with a plane of symmetry; otherwise

@@ -405,11 +405,9 @@ RegionCells make_cells(const Region& region, const Points& rest, const std::vect
 CellBlend::CellBlend(const RegionCells& from, const Points& rest, ThreadPool& pool)
     : cells(kReach, rest.rows()), weights(kReach, rest.rows()) {
   const Weigher weigher(from, rest);
-  in_chunks(pool, kChunks, rest.rows(), [&](int, Eigen::Index first, Eigen::Index last) {
-    for (Eigen::Index i = first; i < last; ++i) {
-      weigher(rest.row(i).transpose(), from.of[i], cells.col(i).data(), weights.col(i).data());
-    }
-  });
+  constexpr int kGrain = 1024;
+  for_indices(pool, static_cast<int>(rest.rows()), kGrain,
+              [&](int i) { weigher(rest.row(i).transpose(), from.of[i], cells.col(i).data(), weights.col(i).data()); });
 }
 
 }  // namespace lapedit

@@ -123,7 +123,9 @@ class EdgeSums {
     const std::size_t count = region_.neighbours.values.size();
     constexpr char kNoFace = 2;
     EdgeWeights sums{std::vector<double>(count, 0), std::vector<char>(count, kNoFace)};
+    Checkpoints checkpoints;
     for (const Contribution& contribution : contributions) {
+      checkpoints();
       for (int k = 0; k < 3; ++k) {
         if (const int e = contribution.entries[k]; e >= 0) {
           sums.values[e] += contribution.weights[k];
@@ -279,6 +281,29 @@ DifferentialOperator differential_operator(LaplacianKind kind, const Region& reg
   return result;
 }
 
+/// Multiplies some columns at a time, so that the work can be cancelled.
+SparseMatrix product(const SparseMatrix& a, const SparseMatrix& b) {
+  constexpr Eigen::Index kColumns = 4096;
+  SparseMatrix result(a.rows(), b.cols());
+  for (Eigen::Index first = 0; first < b.cols(); first += kColumns) {
+    const SparseMatrix columns = a * b.middleCols(first, std::min(kColumns, b.cols() - first));
+    if (first == 0) {
+      constexpr double kMore = 1.1;
+      const double blocks = static_cast<double>(b.cols()) / static_cast<double>(columns.cols());
+      result.reserve(static_cast<Eigen::Index>(kMore * blocks * static_cast<double>(columns.nonZeros())));
+    }
+    for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+      result.startVec(first + j);
+      for (SparseMatrix::InnerIterator entry(columns, j); entry; ++entry) {
+        result.insertBack(entry.row(), first + j) = entry.value();
+      }
+    }
+    checkpoint();
+  }
+  result.finalize();
+  return result;
+}
+
 SparseMatrix power(const SparseMatrix& matrix, int order) {
   if (order < 1 || order > 3) {
     throw EditError(ErrorCause::BadParameter,
@@ -287,7 +312,7 @@ SparseMatrix power(const SparseMatrix& matrix, int order) {
   }
   SparseMatrix result = matrix;
   for (int k = 1; k < order; ++k) {
-    result = SparseMatrix(result * matrix);
+    result = product(result, matrix);
   }
   return result;
 }

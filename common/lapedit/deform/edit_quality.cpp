@@ -39,7 +39,9 @@ void find_folds(const LaplacianSystem& system, const Points& positions, EditQual
   }
   const std::vector<Matrix3> surface = surface_rotations(region, system.rest.world, positions, *system.pool);
   std::vector<int> at(region.size(), 0);
+  Checkpoints checkpoints;
   for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    checkpoints();
     if (is_flipped(region, f, system.rest.world, positions, surface)) {
       ++result.folded;
       causes.folds.push_back({region.mesh_vertex[region.faces(f, 0)], region.mesh_vertex[region.faces(f, 1)],
@@ -248,7 +250,9 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
   const Region& region = system.region;
   const std::vector<int> lone = lone_vertices(region);
   const std::vector<double> largest = largest_weights(region);
+  Checkpoints checkpoints;
   for (int i = 0; i < region.size(); ++i) {
+    checkpoints();
     const Vector3 moved = (positions.row(i) - system.rest.world.row(i)).transpose();
     if (region.classes[i] == VertexClass::Handle) {
       const Vector3 wanted = constraints.wanted_displacement(i);

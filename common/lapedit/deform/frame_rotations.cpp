@@ -106,15 +106,19 @@ Matrix3 FrameRotations::blended_ties(int i, const Vector3& n0, const Vector3& n1
 
 double FrameRotations::estimate(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations) {
   const Stopwatch watch;
-  if (before_.rows() != before.rows() || before_ != before) {
+  if (!is_smooth_ || before_ != before) {
+    is_smooth_ = false;
     before_ = before;
     smooth(before_, normals_before_);
+    is_smooth_ = true;
   }
   after_ = before_ + displacement;
   smooth(after_, normals_after_);
   const double smoothing_ms = watch.elapsed();
   rotations.resize(region_.size());
+  Checkpoints checkpoints;
   for (int i = 0; i < region_.size(); ++i) {
+    checkpoints();
     const Vector3 n0 = normals_before_.row(i).transpose();
     const Vector3 n1 = normals_after_.row(i).transpose();
     rotations[i].setIdentity();

@@ -35,6 +35,7 @@ class FrameRotations {
   const SmoothingKernel& kernel_;
   Points before_, after_;                  // the poses
   Points normals_before_, normals_after_;  // smooth ones
+  bool is_smooth_ = false;                 // normals_before_ are those of before_, which a cancelled pose may not reach
   Points raw_, centres_;
   Eigen::VectorXd areas_;
 };

@@ -77,6 +77,7 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
     }
     Eigen::VectorXd links = link_strengths(s_.region, s_.rest.world, settings.order);
     const OperatorRows::Rows rows(whole.matrix);
+    checkpoint();
     const OperatorRows::Rows* const old = same ? &previous_->powers.first->rows() : nullptr;
     operator_reused_ = old && old->nonZeros() == rows.nonZeros() && old->coeffs().matrix() == rows.coeffs().matrix() &&
                        previous_->powers.stretch == stretch && previous_->powers.links == links;
@@ -84,6 +85,7 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
       LaplacianPowers& powers = s_.powers;
       powers.m = std::make_shared<const OperatorRows>(
           with_link_rows(power(whole.matrix, settings.order), s_.region, links), stretch);
+      checkpoint();
       powers.first =
           settings.order == 1 && links.size() == 0 ? powers.m : std::make_shared<const OperatorRows>(whole.matrix);
       powers.uniform_edges = whole.uniform_edges;
@@ -290,17 +292,17 @@ bool LaplacianSystem::all_anchored() const {
 
 std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest,
                                                       const EditSettings& settings, const SolverOptions& options,
-                                                      const LaplacianSystem* previous, const Progress& progress) {
+                                                      const LaplacianSystem* previous) {
   const auto made = std::make_shared<LaplacianSystem>(std::move(rest), settings, options);
   made->pool = previous && previous->options.threads == options.threads ? previous->pool
                                                                         : std::make_shared<ThreadPool>(options.threads);
   Preparation preparation(*made, previous);
   const Stopwatch watch;
-  report_progress(progress, 0.1, "operator");
+  report_progress(0.1, "operator");
   preparation.make_operator(mesh);
   preparation.weigh();
   made->figures.operator_ms = watch.elapsed();
-  report_progress(progress, 0.2, "factorisation");
+  report_progress(0.2, "factorisation");
   preparation.make_factor_and_kernel();
   return made;
 }

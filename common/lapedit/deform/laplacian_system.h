@@ -5,7 +5,6 @@
 #include <memory>
 #include <vector>
 
-#include "lapedit/base/progress.h"
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/rest_pose.h"
 #include "lapedit/deform/smooth_normals.h"
@@ -72,7 +71,7 @@ struct LaplacianSystem {
 /// @throws EditError (IllConditioned, Cancelled)
 std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest,
                                                       const EditSettings& settings, const SolverOptions& options,
-                                                      const LaplacianSystem* previous, const Progress& progress);
+                                                      const LaplacianSystem* previous);
 
 /// @throws EditError (NotFinite) with a message for the user unless all positions of a result are finite
 void require_finite_result(const Points& positions);

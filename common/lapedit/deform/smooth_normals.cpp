@@ -15,6 +15,7 @@ namespace lapedit {
 namespace {
 
 constexpr int kGrain = 256;
+constexpr int kEntriesPerWork = 16;  // entries that are multiplied for a unit of work, see checkpoint()
 
 /// Returns p(t) = 2 t^3 / r^3 - 3 t^2 / r^2 + 1, the kernel of Lipman et al. 2004, section 6.
 double kernel(double t, double radius) {
@@ -75,7 +76,9 @@ Rows normalised_rows(Lists lists) {
   }
   rows.columns.reserve(total);
   rows.weights.reserve(total);
+  Checkpoints checkpoints;
   for (auto& list : lists) {
+    checkpoints(1 + static_cast<int>(list.size()));
     double sum = 0;
     for (const auto& entry : list) {
       sum += entry.second;
@@ -107,6 +110,7 @@ Lists kernel_lists(const Region& region, const Points& rest, const std::vector<i
           lists[c].emplace_back(j, weight);
         }
       }
+      checkpoint(static_cast<int>(ball.size()));
     }
   });
   return lists;
@@ -116,7 +120,9 @@ Lists kernel_lists(const Region& region, const Points& rest, const std::vector<i
 Lists blend_lists(const Region& region, const Points& rest, const std::vector<int>& centres, double radius) {
   const Lists balls = kernel_lists(region, rest, centres, radius, 1);
   Lists lists(region.size());
+  Checkpoints checkpoints;
   for (std::size_t c = 0; c < balls.size(); ++c) {
+    checkpoints(1 + static_cast<int>(balls[c].size()));
     for (const auto& [j, weight] : balls[c]) {
       lists[j].emplace_back(static_cast<int>(c), weight);
     }
@@ -140,7 +146,9 @@ SmoothingKernel::SmoothingKernel(const Region& region, const Points& rest, doubl
 void SmoothingKernel::multiply(const Rows& rows, const Points& in, Points& out) {
   const Eigen::Index count = static_cast<Eigen::Index>(rows.offsets.size()) - 1;
   out.resize(count, 3);
+  Checkpoints checkpoints;
   for (Eigen::Index i = 0; i < count; ++i) {
+    checkpoints(1 + static_cast<int>(rows.offsets[i + 1] - rows.offsets[i]) / kEntriesPerWork);
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
     for (std::size_t k = rows.offsets[i]; k < rows.offsets[i + 1]; ++k) {
       sum += rows.weights[k] * in.row(rows.columns[k]);

@@ -25,24 +25,6 @@ void check_fraction(double fraction) {
   }
 }
 
-/// Returns a callback that maps the progress of task k of `count` to the progress of all tasks.
-Progress progress_of(const Progress& progress, std::size_t k, std::size_t count) {
-  if (!progress) {
-    return {};
-  }
-  return [&progress, k, count](double done, const char* stage) {
-    return progress((static_cast<double>(k) + done) / static_cast<double>(count), stage);
-  };
-}
-
-/// Returns a callback that reports each stage with the constant fraction `done`.
-Progress progress_at(const Progress& progress, double done) {
-  if (!progress) {
-    return {};
-  }
-  return [&progress, done](double, const char* stage) { return progress(done, stage); };
-}
-
 /// Runs an edit for one fraction after the other. Of each pose only the shape before the current step is kept.
 class Poses {
  public:
@@ -65,12 +47,13 @@ class Poses {
   }
 
   /// @param each  called after each step of the pose
-  void run(std::size_t pose, const Progress& progress, const Each& each) {
+  void run(std::size_t pose, const Each& each) {
     const std::size_t steps = edit_.steps.size();
     vertices_ = given_.vertices;
     for (std::size_t k = 0; k < steps; ++k) {
       try {
-        run_step(k, pose, progress_of(progress, pose * steps + k, fractions_.size() * steps), each);
+        const ProgressPart part(pose * steps + k, fractions_.size() * steps);
+        run_step(k, pose, each);
       } catch (const EditError& error) {
         refuse(error, k, pose);
       }
@@ -81,7 +64,7 @@ class Poses {
   const Points& vertices() const { return vertices_; }
 
  private:
-  void run_step(std::size_t k, std::size_t pose, const Progress& progress, const Each& each) {
+  void run_step(std::size_t k, std::size_t pose, const Each& each) {
     const double fraction = fractions_[pose];
     const bool is_last = pose + 1 == fractions_.size();
     std::unique_ptr<PreparedStep>& step = k == 0 || is_last ? first_step_ : later_step_;
@@ -95,7 +78,7 @@ class Poses {
       now_ = step.get();
       // The same step of the last pose has the most in common, otherwise the step before.
       std::shared_ptr<const LaplacianSystem>& previous = systems_[pose > 0 || k == 0 ? k : k - 1];
-      step->prepare(adjacency_, fraction, progress, previous.get());
+      step->prepare(adjacency_, fraction, previous.get());
       if (is_last) {
         previous = nullptr;
       }
@@ -103,11 +86,12 @@ class Poses {
     }
     now_ = step.get();
     EditResult result;
-    step->pose(fraction, result.vertices, result.positions, progress_at(progress, 0.9));
+    report_progress(0.9, "pose");
+    step->pose(fraction, result.vertices, result.positions);
     scatter(result.vertices, result.positions, vertices_);
     result.reports.push_back(step->report(fraction, vertices_));
     each(std::move(result));
-    report_progress(progress, 1, "done");
+    report_progress(1, "done");
   }
 
   /// Throws the error again with its step and fraction, if the edit has several, and with the name of its landmark.
@@ -190,7 +174,7 @@ void apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit
   Poses poses(mesh, adjacency, numbered, fractions, scalar, options);
   for (std::size_t p = 0; p < fractions.size(); ++p) {
     EditResult whole;
-    poses.run(p, progress, [&whole](EditResult&& step) {
+    poses.run(p, [&whole](EditResult&& step) {
       whole.vertices = united(whole.vertices, step.vertices);
       whole.reports.push_back(std::move(step.reports.front()));
     });
@@ -210,18 +194,20 @@ std::vector<EditResult> apply_edit(const TriangleMesh& mesh, const Adjacency& ad
 
 EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fraction, StoredScalar scalar,
                       const Progress& progress, const SolverOptions& options) {
+  const ProgressScope scope(progress);
   validate(mesh);
   const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, options.threads);
-  return std::move(apply_edit(mesh, adjacency, edit, {}, {fraction}, scalar, progress, options).front());
+  return std::move(apply_edit(mesh, adjacency, edit, {}, {fraction}, scalar, {}, options).front());
 }
 
 std::vector<EditResult> apply_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
                                     StoredScalar scalar, const Progress& progress) {
+  const ProgressScope scope(progress);
   require_same_mesh(mesh, edit);
   const std::vector<double> whole = {1};
   const Edit numbered = located(mesh, adjacency, edit);
   std::vector<EditResult> results;
-  Poses(mesh, adjacency, numbered, whole, scalar, {}).run(0, progress, [&results](EditResult&& result) {
+  Poses(mesh, adjacency, numbered, whole, scalar, {}).run(0, [&results](EditResult&& result) {
     results.push_back(std::move(result));
   });
   return results;

@@ -119,7 +119,7 @@ Edit with_scans(Edit edit, const ScanReader& reader) {
 }
 
 FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step,
-                    const SolverOptions& options, const Progress& progress) {
+                    const SolverOptions& options) {
   if (!step.fit->scan) {
     throw EditError(ErrorCause::BadParameter, "The scan \"" + step.fit->to +
                                                   "\" of the fit was not read here: use the "
@@ -138,10 +138,10 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     handle.push_back(landmark.vertex);
   }
   const Stopwatch watch;
-  report_progress(progress, 0, "region");
+  report_progress(0, "region");
   const Region region = fit_region(mesh, adjacency, step.region, handle, options.threads);
   require_size(mesh, region);
-  report_progress(progress, 0, "align");
+  report_progress(0, "align");
   const double region_ms = watch.elapsed();
   for (FitLandmark& landmark : landmarks) {
     landmark.vertex = index_in(region.mesh_vertex, landmark.vertex);
@@ -154,7 +154,7 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     }
   }
   FitResult result =
-      fit_template({mesh, region, *step.fit->scan, step.fit->settings, landmarks, excluded, options.threads}, progress);
+      fit_template({mesh, region, *step.fit->scan, step.fit->settings, landmarks, excluded, options.threads});
   FittedStep fitted;
   fitted.vertices = region.mesh_vertex;
   fitted.positions = std::move(result.positions);

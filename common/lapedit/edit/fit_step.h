@@ -30,7 +30,7 @@ struct FittedStep {
 /// @throws EditError (BadParameter) for a step without its scan, with groups that have no targets, or with a mirror
 ///         plane; and as build_region() and fit_template()
 FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step,
-                    const SolverOptions& options, const Progress& progress);
+                    const SolverOptions& options);
 
 /// Returns the positions at a fraction of the displacements, rounded. @throws EditError (NotFinite)
 Points positions_at(const FittedStep& fitted, const TriangleMesh& mesh, double fraction, StoredScalar scalar);

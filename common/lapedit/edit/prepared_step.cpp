@@ -47,19 +47,18 @@ EditStep PreparedStep::whole(const EditStep& given) const {
   return step;
 }
 
-void PreparedStep::prepare(const Adjacency& adjacency, double fraction, const Progress& progress,
-                           const LaplacianSystem* previous) {
+void PreparedStep::prepare(const Adjacency& adjacency, double fraction, const LaplacianSystem* previous) {
   if (step_.fit) {
-    fitted_ = fit_step(mesh_, adjacency, step_, options_.solver, progress);
+    fitted_ = fit_step(mesh_, adjacency, step_, options_.solver);
     return;
   }
   validate(step_.settings);
-  report_progress(progress, 0, "region");
+  report_progress(0, "region");
   FoundRegion found =
       find_region(mesh_, adjacency, step_.region, groups_of(step_), weights_of(step_), options_.solver.threads);
   motions_of(mesh_, step_, fraction);
   auto solver = std::make_unique<StepSolver>(mesh_, std::move(found), step_.settings, options_);
-  solver->prepare(mesh_, progress, previous);
+  solver->prepare(mesh_, previous);
   solver_ = std::move(solver);
 }
 
@@ -81,12 +80,12 @@ void PreparedStep::move(const EditStep& step) {
   step_.handles = next.handles;
 }
 
-void PreparedStep::pose(double fraction, std::vector<int>& vertices, Points& positions, const Progress& progress) {
+void PreparedStep::pose(double fraction, std::vector<int>& vertices, Points& positions) {
   if (step_.fit) {
     positions = positions_at(fitted_, mesh_, fraction, options_.scalar);
     vertices = fitted_.vertices;
   } else {
-    positions = solver_->pose(motions_of(mesh_, step_, fraction), Affine::Identity(), progress);
+    positions = solver_->pose(motions_of(mesh_, step_, fraction), Affine::Identity());
     vertices = region().mesh_vertex;
   }
   const std::size_t own = vertices.size();

@@ -24,8 +24,7 @@ class PreparedStep {
   /// Finds the region and makes cells and system. Checks the motions of this fraction first, so that errors are
   /// reported at once. @param previous  as for StepSolver::make_system()
   /// @throws EditError as find_region(), motions_of() and StepSolver, or fit_step()
-  void prepare(const Adjacency& adjacency, double fraction, const Progress& progress = {},
-               const LaplacianSystem* previous = nullptr);
+  void prepare(const Adjacency& adjacency, double fraction, const LaplacianSystem* previous = nullptr);
 
   /// Returns the step with all groups, mirror images included, on first vertices.
   const EditStep& step() const { return step_; }
@@ -42,7 +41,7 @@ class PreparedStep {
   /// @param vertices   out: the region's vertices, and all others at their places
   /// @param positions  out: one row per vertex
   /// @throws EditError as motions_of() and StepSolver::pose()
-  void pose(double fraction, std::vector<int>& vertices, Points& positions, const Progress& progress = {});
+  void pose(double fraction, std::vector<int>& vertices, Points& positions);
   /// Returns the report of the last pose. @param vertices  the whole mesh in that pose
   EditReport report(double fraction, const Points& vertices) const;
 

@@ -103,22 +103,22 @@ StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSe
 
 StepSolver::~StepSolver() = default;
 
-void StepSolver::make_cells(const TriangleMesh& mesh, const Progress& progress) {
+void StepSolver::make_cells(const TriangleMesh& mesh) {
   if (!cells_) {
-    make_cells(mesh, options_.solver.threads, progress);
+    make_cells(mesh, options_.solver.threads);
   }
 }
 
-void StepSolver::make_cells(const TriangleMesh& mesh, int threads, const Progress& progress) {
+void StepSolver::make_cells(const TriangleMesh& mesh, int threads) {
   const Stopwatch watch;
-  cells_ = std::make_unique<CellModel>(mesh, rest_, settings_, ThreadPool(threads), progress);
+  cells_ = std::make_unique<CellModel>(mesh, rest_, settings_, ThreadPool(threads));
   preparation_.cells_ms = watch.elapsed();
 }
 
-std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMesh& mesh, const Progress& progress,
+std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMesh& mesh,
                                                                const LaplacianSystem* previous) const {
-  auto system = prepare_system(mesh, rest_, settings_, options_.solver, previous, progress);
-  report_progress(progress, 0.9, "solve");
+  auto system = prepare_system(mesh, rest_, settings_, options_.solver, previous);
+  report_progress(0.9, "solve");
   return system;
 }
 
@@ -131,16 +131,16 @@ void StepSolver::take(std::shared_ptr<const LaplacianSystem> system) {
   }
 }
 
-void StepSolver::prepare(const TriangleMesh& mesh, const Progress& progress, const LaplacianSystem* previous) {
+void StepSolver::prepare(const TriangleMesh& mesh, const LaplacianSystem* previous) {
   constexpr int kWorthAThread = 2000;
   const bool has_cells = settings_.method == EditMethod::Default && !cells_;
   const bool apart = has_cells && region().size() >= kWorthAThread && thread_count(options_.solver.threads) > 1;
   std::shared_ptr<const LaplacianSystem> system;
   ThreadPool(apart ? 2 : 1).each(has_cells ? 2 : 1, [&](int k) {
     if (k == 0) {
-      system = make_system(mesh, progress, previous);
+      system = make_system(mesh, previous);
     } else {
-      make_cells(mesh, apart ? 1 : options_.solver.threads, {});
+      make_cells(mesh, apart ? 1 : options_.solver.threads);
     }
   });
   take(std::move(system));
@@ -156,28 +156,28 @@ void StepSolver::finish(Points& positions) const {
 
 /// Solves A d = `right` for the displacement d to the last bit of a double. A is the symmetric positive definite matrix
 /// of LaplacianSystem.
-void StepSolver::solve(const Points& right, const Progress& progress) {
-  const Refinement refined = solver_->refine_to_the_bit(right, displacement_, progress);
+void StepSolver::solve(const Points& right) {
+  const Refinement refined = solver_->refine_to_the_bit(right, displacement_);
   if (std::isfinite(refined.last_change) && !refined.converged()) {
     refuse_conditioning(*system_);
   }
   figures_.refinements = std::max(figures_.refinements, refined.steps);
 }
 
-void StepSolver::rotate_and_solve(const Progress& progress) {
+void StepSolver::rotate_and_solve() {
   Stopwatch watch;
   rotate_coordinates(*system_, *constraints_, rotations_, rotated_, right_);
   figures_.rotate_ms += watch.lap();
-  solve(right_, progress);
+  solve(right_);
   figures_.solve_ms += watch.lap();
   ++figures_.iterations;
 }
 
 /// Solves once with the rotations of the cells, then with those of the vertices' one-rings, fitted to an extrapolation
 /// of the last two solutions.
-void StepSolver::local_global(const Progress& progress) {
+void StepSolver::local_global() {
   while (figures_.iterations < settings_.passes()) {
-    report_progress(progress, 0, "rotations");
+    report_progress(0, "rotations");
     const Stopwatch watch;
     if (figures_.iterations == 0) {
       cells_->spread(rotations_, *system_->pool);
@@ -187,7 +187,7 @@ void StepSolver::local_global(const Progress& progress) {
       constraints_->paths().rotate_hanging(rotations_);
     }
     figures_.rotate_ms += watch.elapsed();
-    rotate_and_solve(progress);
+    rotate_and_solve();
     if (figures_.iterations > 1) {
       figures_.rotation_left = largest_rotation(rotations_, rotations_before_, &figures_.unsettled);
     }
@@ -195,17 +195,16 @@ void StepSolver::local_global(const Progress& progress) {
 }
 
 /// Performs steps 2 to 4 of Lipman et al. 2004, section 4.
-void StepSolver::paper_pass(const Progress& progress) {
-  report_progress(progress, 0, "rotations");
+void StepSolver::paper_pass() {
+  report_progress(0, "rotations");
   const Stopwatch watch;
   figures_.normals_ms = frame_rotations_->estimate(constraints_->start(), displacement_, rotations_);
   figures_.rotate_ms = watch.elapsed() - figures_.normals_ms;
-  rotate_and_solve(progress);
+  rotate_and_solve();
   figures_.rotation_left = largest_rotation(rotations_, {});
 }
 
-const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const Affine& anchors,
-                               const Progress& progress) {
+const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const Affine& anchors) {
   const bool has_cells = settings_.method == EditMethod::Default;
   Stopwatch watch;
   figures_ = PoseFigures();
@@ -218,17 +217,17 @@ const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const A
   } else if (!system_->falloff.empty()) {
     constraints_->fall_off(displacement_);
   } else {
-    solve(constraints_->right_hand_side(), progress);
+    solve(constraints_->right_hand_side());
   }
   figures_.unrotated_ms = watch.lap();
   rotations_.assign(region().size(), Matrix3::Identity());
   if (moves && has_cells) {
-    report_progress(progress, 0, "rotations");
+    report_progress(0, "rotations");
     cells_->solve(handles, anchors, false);
     figures_.rotate_ms = watch.lap();
-    local_global(progress);
+    local_global();
   } else if (moves && settings_.method == EditMethod::Paper) {
-    paper_pass(progress);
+    paper_pass();
   }
   // x = p + the rigid displacement of its component + d
   positions_.resize(region().size(), 3);

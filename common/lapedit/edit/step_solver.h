@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "lapedit/base/progress.h"
 #include "lapedit/cells/cell_model.h"
 #include "lapedit/deform/edit_constraints.h"
 #include "lapedit/deform/edit_report.h"
@@ -89,19 +88,19 @@ class StepSolver {
 
   /// Makes cells if there are none, so that frames are available. Cost: some milliseconds per 10000 vertices.
   /// @throws EditError (IllConditioned, Cancelled)
-  void make_cells(const TriangleMesh& mesh, const Progress& progress = {});
+  void make_cells(const TriangleMesh& mesh);
   /// Makes the system: the operator, one sparse Cholesky factorisation, tables. The object does not change, so another
   /// thread may compute frames meanwhile.
   /// @param previous  a system that is no longer needed, or null. Parts that still fit, above all the factor, are
   ///                  reused: another small handle in the same region with the same anchors is ready in a fraction of
   ///                  the time. The result has the same bits in both cases
   /// @throws EditError (IllConditioned, Cancelled)
-  std::shared_ptr<const LaplacianSystem> make_system(const TriangleMesh& mesh, const Progress& progress = {},
+  std::shared_ptr<const LaplacianSystem> make_system(const TriangleMesh& mesh,
                                                      const LaplacianSystem* previous = nullptr) const;
   /// Makes poses available. @param system  from make_system()
   void take(std::shared_ptr<const LaplacianSystem> system);
   /// Makes cells, where the method needs them for poses, and the system, on two threads, and takes it.
-  void prepare(const TriangleMesh& mesh, const Progress& progress = {}, const LaplacianSystem* previous = nullptr);
+  void prepare(const TriangleMesh& mesh, const LaplacianSystem* previous = nullptr);
 
   const Region& region() const { return *rest_->region; }
   const EditSettings& settings() const { return settings_; }
@@ -114,13 +113,11 @@ class StepSolver {
   /// exactly; one with anchors by the map given for them.
   /// @param handles   one motion per handle group; an affine map converts to a motion
   /// @param anchors   motion of the anchors; in an edit the identity
-  /// @param progress  called from time to time with the fraction 0; returning false cancels
   /// @return          size() x 3, model units, rounded to the mesh's precision; valid until the next call. Row i
   ///                  belongs to region().mesh_vertex[i]
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the object stays usable
   /// Cost: some passes, each with a solve in full precision. Nothing is allocated after the first call.
-  const Points& pose(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity(),
-                     const Progress& progress = {});
+  const Points& pose(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity());
   /// Returns the rotations of the last pose, one per region vertex.
   const std::vector<Matrix3>& rotations() const { return rotations_; }
 
@@ -155,11 +152,11 @@ class StepSolver {
   };
   struct Frame;
 
-  void make_cells(const TriangleMesh& mesh, int threads, const Progress& progress);
-  void solve(const Points& right, const Progress& progress);
-  void rotate_and_solve(const Progress& progress);
-  void local_global(const Progress& progress);
-  void paper_pass(const Progress& progress);
+  void make_cells(const TriangleMesh& mesh, int threads);
+  void solve(const Points& right);
+  void rotate_and_solve();
+  void local_global();
+  void paper_pass();
   void finish(Points& positions) const;
 
   Frame& started_frame();

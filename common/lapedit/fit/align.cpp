@@ -29,13 +29,11 @@ Matrix3 principal_axes(const Points& points) {
 /// directions, so that a template with a free scale does not shrink into the scan.
 class TrimmedIcp {
  public:
-  TrimmedIcp(const SurfaceIndex& from, const Scan& scan, int samples, bool scaled, ThreadPool& pool,
-             const Progress& progress)
+  TrimmedIcp(const SurfaceIndex& from, const Scan& scan, int samples, bool scaled, ThreadPool& pool)
       : surface_(from),
         scan_(scan.surface()),
         scaled_(scaled),
         pool_(pool),
-        progress_(progress),
         ours_(from.samples(samples)),
         theirs_(scan_.samples(samples)),
         hints_(static_cast<std::size_t>(ours_.points.rows() + theirs_.points.rows()), -1),
@@ -47,7 +45,7 @@ class TrimmedIcp {
     constexpr double kConverged = 1e-3;
     double before = -1;
     for (int round = 0;; ++round) {
-      report_progress(progress_, 0, "align");
+      report_progress(0, "align");
       const double residual = pair(map);
       if (round == rounds || std::abs(before - residual) < kConverged * residual) {
         return residual;
@@ -101,7 +99,6 @@ class TrimmedIcp {
   const SurfaceIndex &surface_, &scan_;
   bool scaled_;
   ThreadPool& pool_;
-  const Progress& progress_;
   SurfaceSamples ours_, theirs_;
   std::vector<int> hints_;
   std::vector<double> distances_, sorted_;
@@ -146,12 +143,12 @@ std::vector<SimilarityMap> starts_of(const Points& ours, const Points& theirs, c
 }  // namespace
 
 Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap& in_place, const Points& landmarks,
-                const Points& targets, FitAlign allowed, ThreadPool& pool, const Progress& progress) {
+                const Points& targets, FitAlign allowed, ThreadPool& pool) {
   constexpr int kFew = 400, kMany = 2000, kFirstRounds = 10, kRounds = 30;
   constexpr double kHopeless = 2;  // times the best residual
   const bool scaled = allowed == FitAlign::Similarity;
   Alignment best;
-  TrimmedIcp fine(from, scan, kMany, scaled, pool, progress);
+  TrimmedIcp fine(from, scan, kMany, scaled, pool);
   best.by_landmarks = allowed != FitAlign::None && spans_a_plane(landmarks);
   if (allowed == FitAlign::None || best.by_landmarks) {
     best.map = best.by_landmarks ? best_similarity(landmarks, targets, scaled ? 0 : in_place.scale) : in_place;
@@ -161,7 +158,7 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   std::vector<SimilarityMap> maps = starts_of(from.samples(kMany).points, scan.surface().samples(kMany).points,
                                               in_place, scaled ? 1 : in_place.scale);
   std::vector<double> residuals(maps.size());
-  TrimmedIcp coarse(from, scan, kFew, scaled, pool, progress);
+  TrimmedIcp coarse(from, scan, kFew, scaled, pool);
   for (std::size_t k = 0; k < maps.size(); ++k) {
     residuals[k] = coarse.run(maps[k], kFirstRounds);
   }

@@ -3,7 +3,6 @@
 
 #include <optional>
 
-#include "lapedit/base/progress.h"
 #include "lapedit/base/similarity.h"
 #include "lapedit/fit/scan.h"
 
@@ -29,6 +28,6 @@ struct Alignment {
 /// @param landmarks, targets  of each its position on the template and on the scan
 /// @throws EditError (Cancelled). Cost: about a tenth of a second.
 Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap& in_place, const Points& landmarks,
-                const Points& targets, FitAlign allowed, ThreadPool& pool, const Progress& progress);
+                const Points& targets, FitAlign allowed, ThreadPool& pool);
 
 }  // namespace lapedit

@@ -123,17 +123,13 @@ void Correspondences::update(double least, double part, ThreadPool& pool) {
   }
 }
 
-double Correspondences::turn_normals(ThreadPool& pool, const std::function<void()>& between) {
-  constexpr int kAtOnce = 1 << 14;
+double Correspondences::turn_normals(ThreadPool& pool) {
   const auto n = static_cast<int>(surface_.points().rows());
   Eigen::VectorXd cosines(n);
-  for (int from = 0; from < n; from += kAtOnce) {
-    between();
-    for_indices(pool, std::min(kAtOnce, n - from), kGrain, [&](int k) {
-      const NearestPoint at = scan_.surface().nearest(surface_.points().row(from + k).transpose());
-      cosines[from + k] = scan_.surface().normal(at).dot(surface_.normals().row(from + k));
-    });
-  }
+  for_indices(pool, n, kGrain, [&](int k) {
+    const NearestPoint at = scan_.surface().nearest(surface_.points().row(k).transpose());
+    cosines[k] = scan_.surface().normal(at).dot(surface_.normals().row(k));
+  });
   const Eigen::Index same = (cosines.array() > with_.cosine).count();
   const Eigen::Index reversed = (cosines.array() < -with_.cosine).count();
   side_ = reversed > 2 * same ? -1 : 1;

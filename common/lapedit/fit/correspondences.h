@@ -27,8 +27,7 @@ class Correspondences {
 
   /// Treats the scan's normals as reversed if more than twice as many pairs have opposite normals as equal ones.
   /// @return the fraction of these pairs that contradicts the decision
-  /// @param between  called from time to time; an exception of it reaches the caller
-  double turn_normals(ThreadPool& pool, const std::function<void()>& between);
+  double turn_normals(ThreadPool& pool);
   bool reversed() const { return side_ < 0; }
 
   const Eigen::VectorXd& weights() const { return weights_; }  ///< per vertex, 0 (no partner) to 1 / part

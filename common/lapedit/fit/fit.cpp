@@ -37,13 +37,12 @@ void validate(const ScanFitSettings& settings) {
 
 class Fit {
  public:
-  Fit(const FitProblem& problem, const Progress& progress);
+  explicit Fit(const FitProblem& problem);
   FitResult run();
 
  private:
   void run_stage(int stage, double length);
-  void weigh(double length, const std::function<void()>& between);
-  void report_align() const { report_progress(progress_, 0, "align"); }
+  void weigh(double length);
   void rotate();
   void pull();
   void finish(double length);
@@ -52,7 +51,6 @@ class Fit {
 
   const FitProblem& of_;
   const FitConstants& with_;
-  const Progress& progress_;
   std::shared_ptr<ThreadPool> pool_;
   std::vector<int> anchors_;  // vertices of the region
 
@@ -70,11 +68,8 @@ class Fit {
 };
 
 /// Aligns the template, and prepares pairs and energy for it.
-Fit::Fit(const FitProblem& problem, const Progress& progress)
-    : of_(problem),
-      with_(problem.settings.constants),
-      progress_(progress),
-      pool_(std::make_shared<ThreadPool>(problem.threads)) {
+Fit::Fit(const FitProblem& problem)
+    : of_(problem), with_(problem.settings.constants), pool_(std::make_shared<ThreadPool>(problem.threads)) {
   const Region& region = of_.region;
   if (region.faces.rows() == 0) {
     throw EditError(ErrorCause::EmptyMesh, "The region of the fit has no triangles: give a region of the surface.")
@@ -120,26 +115,24 @@ Fit::Fit(const FitProblem& problem, const Progress& progress)
     from.row(k) = before.row(landmark.vertex);
     targets_.row(k) = (landmark.target - of_.scan.origin()).transpose() / unit;
   }
-  report_align();
+  report_progress(0, "align");
   surface_ = std::make_unique<SurfaceIndex>(before, region.faces);
   const SimilarityMap in_place = {Matrix3::Identity(), ratio, (own.centroid - of_.scan.origin()) / unit};
-  const Alignment alignment = align(*surface_, of_.scan, in_place, from, targets_, allowed, *pool_, progress_);
+  const Alignment alignment = align(*surface_, of_.scan, in_place, from, targets_, allowed, *pool_);
   const SimilarityMap& map = alignment.map;
   turned_ = map.rotation;
   rest_ = points_ = map.all(before);
   velocity_.setZero(region.size(), 3);
   size_ = map.scale;
-  report_align();
   surface_->move(points_, *pool_);
   pairs_ = std::make_unique<Correspondences>(of_.scan, *surface_, std::move(free),
                                              of_.settings.distance / of_.scan.size(), with_);
-  report_align();
   TriangleMesh aligned = {Points::Zero(of_.mesh.vertices.rows(), 3), of_.mesh.faces};
   scatter(region.mesh_vertex, rest_, aligned.vertices);
   energy_ = std::make_unique<TemplateEnergy>(aligned, region, rest_, size_, with_.membrane, pool_);
   if (of_.settings.mode == FitMode::Pose) {
     smoothing_ = std::make_unique<TemplateEnergy>(*energy_);
-    smoothing_->factor(with_.average * size_, energy_->mass(), [this] { report_align(); });
+    smoothing_->factor(with_.average * size_, energy_->mass());
   }
   FitReport& report = result_.report;
   report.mode = name(of_.settings.mode);
@@ -156,12 +149,12 @@ Fit::Fit(const FitProblem& problem, const Progress& progress)
   if (alignment.second) {
     report.second = *alignment.second * unit;
   }
-  pairs_->turn_normals(*pool_, [this] { report_align(); });
+  pairs_->turn_normals(*pool_);
   report.reversed_normals = pairs_->reversed();
   report.align_ms = watch.elapsed();
 }
 
-void Fit::weigh(double length, const std::function<void()>& between) {
+void Fit::weigh(double length) {
   least_ = pairs_->weights().cwiseMax(with_.unmatched_weight);
   held_.setZero(of_.region.size());
   const double weight = with_.landmark_weight * length * length / energy_->mean_area();
@@ -172,7 +165,7 @@ void Fit::weigh(double length, const std::function<void()>& between) {
     held_[i] = weight * of_.region.anchor_weight[i] * of_.region.anchor_weight[i];
   }
   const Stopwatch watch;
-  energy_->factor(length, energy_->mass().cwiseProduct(least_) + held_, between);
+  energy_->factor(length, energy_->mass().cwiseProduct(least_) + held_);
   result_.report.factor_ms += watch.elapsed();
 }
 
@@ -182,6 +175,7 @@ void Fit::rotate() {
   std::vector<Matrix3>& rotations = result_.rotations = surface_rotations(of_.region, rest_, points_, *pool_);
   Points rows(n, 3), smooth;
   for (int row = 0; row < 3; ++row) {
+    checkpoint();
     for (int i = 0; i < n; ++i) {
       rows.row(i) = energy_->mass()[i] * rotations[static_cast<std::size_t>(i)].row(row);
     }
@@ -230,23 +224,21 @@ void Fit::run_stage(int stage, double length) {
   for (int round = 0; round < with_.rounds; ++round) {
     const std::string text = "fit: stage " + std::to_string(stage + 1) + " of " + std::to_string(kStages) + distance_;
     const double fraction = (stage + static_cast<double>(round) / with_.rounds) / kStages;
-    const auto report_round = [&] { report_progress(progress_, fraction, text.c_str()); };
-    report_round();
+    report_progress(fraction, text.c_str());
     Stopwatch watch;
     surface_->move(points_, *pool_);
     pairs_->update(length, part, *pool_);
     report.pairs_ms += watch.lap();
     if (round == 0) {
-      weigh(length, report_round);
+      weigh(length);
       distance_ = format_text(", distance %.3g", measured(false).rms);
       watch.lap();
     }
-    report_round();
     pull();
     const bool last = stage + 1 == kStages && round + 1 == with_.rounds;
     Points step;
     if (last) {
-      energy_->solve_accurately(forces_, step, report_round);
+      energy_->solve_accurately(forces_, step);
     } else {
       energy_->solve(forces_, step);
     }
@@ -293,16 +285,12 @@ std::string Fit::advice_without_partners() const {
 
 /// Measures the fit, and converts its positions to model units.
 void Fit::finish(double length) {
-  const std::string text = "fit: measure" + distance_;
-  const auto report = [&] { report_progress(progress_, 1, text.c_str()); };
+  report_progress(1, ("fit: measure" + distance_).c_str());
   surface_->move(points_, *pool_);
-  report();
   pairs_->update(length, 1, *pool_);
-  report();
   result_.report.to_scan = measured(false);
   result_.report.from_scan = measured(true);
-  report();
-  result_.report.opposed = pairs_->turn_normals(*pool_, report);
+  result_.report.opposed = pairs_->turn_normals(*pool_);
   constexpr double kNone = 0.01;
   if (result_.report.to_scan.matched < kNone && result_.report.from_scan.matched < kNone) {
     throw EditError(ErrorCause::BadParameter,
@@ -336,7 +324,8 @@ FitResult Fit::run() {
 
 FitResult fit_template(const FitProblem& problem, const Progress& progress) {
   validate(problem.settings);
-  return Fit(problem, progress).run();
+  const ProgressScope scope(progress);
+  return Fit(problem).run();
 }
 
 }  // namespace lapedit

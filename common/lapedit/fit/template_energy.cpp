@@ -63,12 +63,11 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
                                                membrane_ * whole.sums.cwiseQuotient(scale));
 }
 
-void TemplateEnergy::factor(double length, const Eigen::VectorXd& diagonal, const std::function<void()>& between) {
+void TemplateEnergy::factor(double length, const Eigen::VectorXd& diagonal) {
   CholeskyOptions with;
-  with.order = factor_ ? factor_->order() : fill_reducing_ordering(region_.neighbours, pool_->threads(), between);
+  with.order = factor_ ? factor_->order() : fill_reducing_ordering(region_.neighbours, pool_->threads());
   with.same_bits = true;
   with.pool = pool_;
-  with.between = between;
   with.same_pattern = factor_.get();
   length4_ = length * length * length * length;
   diagonal_ = diagonal;
@@ -81,15 +80,12 @@ void TemplateEnergy::solve(const Points& right, Points& x) {
   require_accurate(x.allFinite());
 }
 
-void TemplateEnergy::solve_accurately(const Points& right, Points& x, const std::function<void()>& between) {
+void TemplateEnergy::solve_accurately(const Points& right, Points& x) {
   constexpr double kAccurate = 1e-12, kUseless = 1e-6;
   constexpr int kMostSteps = 20;
   solve(right, x);
   double change = 1;
   for (int count = 0; count < kMostSteps && !(change <= kAccurate); ++count) {
-    if (between) {
-      between();
-    }
     Points left = right - diagonal_.asDiagonal() * x;
     subtract_gradient(x, left);
     factor_->solve(left, step_);

@@ -28,15 +28,14 @@ class TemplateEnergy {
   double mean_area() const { return mean_area_; }
   double edge_length() const { return edge_length_; }  ///< RMS
 
-  /// Factors the matrix of E + sum_i diagonal_i |x_i|^2, which is symmetric positive definite. @param between  see
-  /// CholeskyOptions
-  /// @throws EditError (IllConditioned), and what `between` throws
-  void factor(double length, const Eigen::VectorXd& diagonal, const std::function<void()>& between = {});
+  /// Factors the matrix of E + sum_i diagonal_i |x_i|^2, which is symmetric positive definite.
+  /// @throws EditError (IllConditioned)
+  void factor(double length, const Eigen::VectorXd& diagonal);
   /// Solves with the last factor: with the same bits on every processor, and accurate to about its condition number.
   /// @throws EditError (IllConditioned)
   void solve(const Points& right, Points& x);
-  /// The same, accurate to about 1e-12. @param between  called before each refinement; an exception of it ends them
-  void solve_accurately(const Points& right, Points& x, const std::function<void()>& between = {});
+  /// The same, accurate to about 1e-12.
+  void solve_accurately(const Points& right, Points& x);
   /// Subtracts the gradient of E / 2 at x from `right`.
   void subtract_gradient(const Points& x, Points& right);
   /// Adds the gradient of E / 2 at the rotated and scaled shape `rest` to `right`. Each differential coordinate rotates

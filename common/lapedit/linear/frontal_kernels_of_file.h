@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "lapedit/base/progress.h"
 #include "lapedit/base/simd.h"
 #include "lapedit/linear/frontal_kernels.h"
 
@@ -15,8 +16,9 @@ namespace lapedit::supernode {
 namespace {
 
 constexpr int kLanes = kFrontLanes;
-constexpr int kBlock = 8;   // columns solved at a time
-constexpr int kPanel = 64;  // columns whose products are subtracted at a time
+constexpr int kBlock = 8;      // columns solved at a time
+constexpr int kPanel = 64;     // columns whose products are subtracted at a time
+constexpr int kProducts = 32;  // vectors of products for a unit of work, see checkpoint()
 
 using FrontLanes = Simd<double, kLanes>::Vector;
 
@@ -82,9 +84,11 @@ LAPEDIT_INLINE void subtract_columns(double* front, int stride, int column, int 
 
 template <int Tall, int Width>
 LAPEDIT_INLINE void subtract(double* front, int stride, int first, int last, int by, int depth) {
+  Checkpoints checkpoints;
   int column = first;
   for (; depth > 0 && column + Width <= last; column += Width) {
     subtract_columns<Tall, Width>(front, stride, column, by, depth);
+    checkpoints((stride - column) * depth / kProducts);
   }
   for (; depth > 0 && column < last; ++column) {
     subtract_columns<Tall, 1>(front, stride, column, by, depth);

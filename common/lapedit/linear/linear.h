@@ -2,13 +2,11 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "lapedit/base/index_lists.h"
-#include "lapedit/base/progress.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/base/types.h"
 
@@ -56,9 +54,8 @@ class OperatorRows {
 /// Nested dissection with edge counts to three distant vertices as coordinates: on a surface they give 2 to 3 % more
 /// fill than its own coordinates, and an edited shape keeps its order and its factor.
 /// @param threads  at most this many (0: all of the machine's); the order does not depend on it
-/// @param between  as for nested_dissection(). Cost: as there.
-std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads,
-                                        const std::function<void()>& between = {});
+/// Cost: as for nested_dissection().
+std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads);
 
 class SparseCholesky;
 
@@ -82,9 +79,6 @@ struct CholeskyOptions {
   /// Factor of a matrix with the same pattern, in the same order, whose analysis is reused if it has one; not kept. The
   /// bits are the same.
   const SparseCholesky* same_pattern = nullptr;
-  /// Called on the caller's thread between tasks of the factorisation, each a small fraction of it. An exception of it
-  /// ends the factorisation and reaches the caller. Not with the Eigen backend.
-  std::function<void()> between = {};
 };
 
 /// The Cholesky factor of a symmetric positive definite matrix. It is computed once and serves any number of solves.
@@ -184,8 +178,8 @@ class RefinedSolver {
 
   /// Solves A x = b to the last bit of a double, whatever the quality of the factor. Allocates nothing after the first
   /// call.
-  /// @param progress  called at each step. @throws EditError (Cancelled)
-  Refinement refine_to_the_bit(const Points& right, Points& x, const Progress& progress = {});
+  /// @throws EditError (Cancelled)
+  Refinement refine_to_the_bit(const Points& right, Points& x);
 
   /// Returns the residual |A x - b| over (|A0| + largest w^2) |x| + |b|, in maximum norms; 0 if all are 0.
   double relative_residual(const Points& right, const Points& x) const;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/base/progress.h"
 #include "lapedit/linear/dissection_pieces.h"
 
 namespace lapedit::dissection {
@@ -32,6 +33,7 @@ class SeparatorFlow {
       more = find_levels() && augment<true>();
     }
     while (more) {
+      checkpoint(columns_);
       s_.depth.assign(nets_ + 2 * columns_, -1);
       more = augment<false>();
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <mutex>
@@ -17,6 +18,7 @@ namespace lapedit::supernode {
 namespace {
 
 constexpr std::align_val_t kLine{64};
+constexpr int kWordsPerWork = 32;  // numbers of a front that are set or added for a unit of work, see checkpoint()
 
 struct Free {
   void operator()(double* memory) const { ::operator delete(memory, kLine); }
@@ -54,14 +56,12 @@ class Recycler {
 class Factorisation {
  public:
   Factorisation(const SparseMatrix& lower, const SupernodalPattern& pattern, const TaskTree& tree,
-                const std::function<void(int, const double*, int)>& take, FrontalKernel kernel, ThreadPool& pool,
-                const std::function<void()>& between)
+                const std::function<void(int, const double*, int)>& take, FrontalKernel kernel, ThreadPool& pool)
       : lower_(lower),
         pattern_(pattern),
         tree_(tree),
         take_(take),
         pool_(pool),
-        between_(between),
         kernel_(kernel),
         children_(tree.nodes.size() + 1, 0),
         fronts_(tree.nodes.size()),
@@ -71,10 +71,10 @@ class Factorisation {
 
   bool run() {
     TreeWalk walk(tree_, pool_.threads());
-    const OnThisThread between(between_);
     walk.upwards(pool_, [&](const TaskTree::Task& task, int worker) {
-      between();
+      Checkpoints checkpoints;
       for (int s = task.first_node; s <= task.last_node && definite_; ++s) {
+        checkpoints(work(s));
         eliminate(s, positions_[worker].data());
       }
     });
@@ -89,6 +89,11 @@ class Factorisation {
 
   int columns(int s) const { return tree_.nodes[s].columns; }
   int size(int s) const { return tree_.nodes[s].rows; }
+  /// Returns the work of a small front, see checkpoint(); eliminate() counts that of a large one itself.
+  int work(int s) const {
+    constexpr std::int64_t kLeast = 4, kMost = 1024, kProducts = 2048;
+    return static_cast<int>(std::min(kMost, kLeast + std::int64_t{size(s)} * size(s) * columns(s) / kProducts));
+  }
   int stride(int s) const { return (size(s) + kFrontLanes - 1) / kFrontLanes * kFrontLanes; }
   const int* rows(int s) const { return pattern_.rows.data() + pattern_.row_offsets[s]; }
 
@@ -102,7 +107,6 @@ class Factorisation {
   const TaskTree& tree_;
   const std::function<void(int, const double*, int)>& take_;
   ThreadPool& pool_;
-  const std::function<void()>& between_;
   FrontalKernel kernel_;
   std::vector<int> children_, child_;  // those of s: child_[children_[s] .. children_[s + 1])
   std::vector<Front> fronts_;
@@ -140,7 +144,9 @@ void Factorisation::add_child(int child, const int* position, double* front, int
   const int first = columns(child), last = size(child), child_stride = stride(child);
   const int* const row = rows(child);
   const double* from = fronts_[child].memory.get() + static_cast<std::size_t>(first) * child_stride;
+  Checkpoints checkpoints;
   for (int j = first; j < last; ++j, from += child_stride) {
+    checkpoints((last - j) / kWordsPerWork);
     double* const to = front + static_cast<std::size_t>(position[row[j]]) * front_stride;
     for (int i = j; i < last; ++i) {
       to[position[row[i]]] += from[i];
@@ -157,7 +163,9 @@ void Factorisation::eliminate(int s, int* position) {
   Front& front = fronts_[s];
   front.memory = recycler_.take(static_cast<std::size_t>(front_stride) * front_size, front.kind);
   double* const values = front.memory.get();
+  Checkpoints checkpoints;
   for (int j = 0; j < front_size; ++j) {
+    checkpoints(front_size / kWordsPerWork);
     const int start = j / kFrontLanes * kFrontLanes;
     std::memset(values + static_cast<std::size_t>(j) * front_stride + start, 0,
                 static_cast<std::size_t>(front_stride - start) * sizeof(double));
@@ -180,8 +188,8 @@ void Factorisation::eliminate(int s, int* position) {
 
 bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalPattern& pattern, const TaskTree& tree,
                            const std::function<void(int supernode, const double* columns, int stride)>& take,
-                           FrontalKernel kernel, ThreadPool& pool, const std::function<void()>& between) {
-  return Factorisation(lower, pattern, tree, take, kernel, pool, between).run();
+                           FrontalKernel kernel, ThreadPool& pool) {
+  return Factorisation(lower, pattern, tree, take, kernel, pool).run();
 }
 
 }  // namespace lapedit::supernode

@@ -22,11 +22,10 @@ namespace lapedit::supernode {
 /// @param tree       the tree of that pattern
 /// @param take       called once for each supernode, from any thread, with its columns of L, `stride` apart; entries
 /// above the diagonal are undefined
-/// @param between    called on the caller's thread between tasks, see CholeskyOptions; may be empty
 /// @return whether the matrix is positive definite; if not, `take` is not called for some supernodes
 /// Memory: the fronts whose parents are pending; about a tenth of the factor.
 bool multifrontal_cholesky(const SparseMatrix& lower, const SupernodalPattern& pattern, const TaskTree& tree,
                            const std::function<void(int supernode, const double* columns, int stride)>& take,
-                           FrontalKernel kernel, ThreadPool& pool, const std::function<void()>& between);
+                           FrontalKernel kernel, ThreadPool& pool);
 
 }  // namespace lapedit::supernode

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -186,6 +185,7 @@ double cut_by_plane(const Piece& piece, Scratch& scratch) {
   }
   // A vertex is in the separators of all planes that separate it from a neighbour.
   std::array<int, kBins> vertices{}, change{};
+  checkpoint(n);
   for (int v = 0; v < n; ++v) {
     std::uint8_t low = position[v], high = position[v];
     for (const int w : piece.next[v]) {
@@ -216,7 +216,9 @@ int search(const Piece& piece, Scratch& scratch, int seed, int begin) {
   int end = begin;
   scratch.queue[end++] = seed;
   scratch.level[seed] = 0;
+  Checkpoints checkpoints;
   for (int k = begin; k < end; ++k) {
+    checkpoints();
     const int v = scratch.queue[k];
     for (const int w : piece.next[v]) {
       if (scratch.level[w] < 0) {
@@ -328,6 +330,7 @@ bool divide(const Piece& piece, Scratch& scratch, Counts& counts) {
   // Vertices next to the other side separate second neighbours as well: any path between two remaining vertices
   // contains two of them.
   counts = {};
+  checkpoint(n);
   for (int v = 0; v < n; ++v) {
     bool cut = false;
     for (const int w : piece.next[v]) cut |= scratch.position[w] != scratch.position[v];
@@ -360,7 +363,9 @@ Piece side_of(const Piece& whole, Side side, Scratch& scratch) {
   int* end = values;
   std::vector<int>& offsets = result.next.offsets;
   offsets.reserve(inner + inner / 4 + 16);
+  Checkpoints checkpoints;
   for (int i = 0; i < inner; ++i) {
+    checkpoints();
     for (const int w : whole.next[from[i]]) {
       if (local[w] < 0) {
         local[w] = static_cast<int>(from.size());
@@ -387,13 +392,14 @@ Piece side_of(const Piece& whole, Side side, Scratch& scratch) {
   return result;
 }
 
-void dissect(Piece piece, int* order, int threads, Scratch& scratch, const OnThisThread& between) {
+void dissect(Piece piece, int* order, int threads, Scratch& scratch) {
   const int n = piece.inner;
   if (n <= Leaf<kLeafWords>::kMost) {
+    checkpoint(n);
     Leaf<kLeafWords>::order(piece, scratch, order);
     return;
   }
-  between();
+  checkpoint(n);
   scratch.fit(piece.size());
   Counts counts{};
   if (!divide(piece, scratch, counts)) {
@@ -412,15 +418,15 @@ void dissect(Piece piece, int* order, int threads, Scratch& scratch, const OnThi
   if (threads > 1 && n >= kThreadGrain) {
     ThreadPool(2).each(2, [&](int half) {
       if (half == 0) {
-        dissect(std::move(low), order, threads - threads / 2, scratch, between);
+        dissect(std::move(low), order, threads - threads / 2, scratch);
       } else {
         Scratch other;
-        dissect(std::move(high), middle, threads / 2, other, between);
+        dissect(std::move(high), middle, threads / 2, other);
       }
     });
   } else {
-    dissect(std::move(low), order, 1, scratch, between);
-    dissect(std::move(high), middle, 1, scratch, between);
+    dissect(std::move(low), order, 1, scratch);
+    dissect(std::move(high), middle, 1, scratch);
   }
 }
 
@@ -432,7 +438,9 @@ int count_edges(const IndexLists& neighbours, int from, std::vector<int>& count,
   queue.assign(1, from);
   count[from] = 0;
   int next_seed = 0;
+  Checkpoints checkpoints;
   for (std::size_t head = 0; head < queue.size(); ++head) {
+    checkpoints();
     const int v = queue[head];
     for (const int w : neighbours[v]) {
       if (count[w] < 0) {
@@ -453,8 +461,7 @@ int count_edges(const IndexLists& neighbours, int from, std::vector<int>& count,
 
 }  // namespace
 
-std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads,
-                                   const std::function<void()>& between) {
+std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads) {
   const int n = neighbours.rows();
   std::vector<int> order(n);
   if (n == 0) {
@@ -474,12 +481,11 @@ std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& p
   Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(all.at.data(), n, 3) =
       ((points.rowwise() - middle) * scale).cast<float>();
   Scratch scratch;
-  dissect(std::move(all), order.data(), thread_count(threads), scratch, OnThisThread(between));
+  dissect(std::move(all), order.data(), thread_count(threads), scratch);
   return order;
 }
 
-std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads,
-                                        const std::function<void()>& between) {
+std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads) {
   constexpr int kWorthwhile = 20000;  // measured with tests/scripts/speed.sh
   const int n = neighbours.rows();
   if (n < kWorthwhile) {
@@ -500,7 +506,7 @@ std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int thread
   for (int v = 0; v < n; ++v) {
     coordinates.row(v) << first[v], second[v], third[v];
   }
-  return nested_dissection(neighbours, coordinates, threads, between);
+  return nested_dissection(neighbours, coordinates, threads);
 }
 
 }  // namespace lapedit

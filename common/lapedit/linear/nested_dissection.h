@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "lapedit/base/index_lists.h"
@@ -19,10 +18,8 @@ namespace lapedit {
 /// @param neighbours  first neighbours, symmetric, each once
 /// @param points      n x 3, finite, any unit: decide where to cut
 /// @param threads     to use (0: all of the machine's); the order does not depend on it
-/// @param between     called on the caller's thread before each piece; an exception of it ends the work and is rethrown
 /// @return            order[k] = vertex eliminated k-th
 /// Cost: O(n log n), about 2 microseconds per vertex at 100,000; some 200 bytes per vertex.
-std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads = 1,
-                                   const std::function<void()>& between = {});
+std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads = 1);
 
 }  // namespace lapedit

@@ -86,7 +86,9 @@ SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, Thread
     const int first = begin_of(p), last = begin_of(p + 1);
     piece.inner.reserve(static_cast<std::size_t>(last - first) * 11);
     piece.values.reserve(static_cast<std::size_t>(last - first) * 11);
+    Checkpoints checkpoints;
     for (int j = first; j < last; ++j) {
+      checkpoints();
       touched.assign(1, j);
       seen[j] = j;
       sums[j] = diagonal[j];

@@ -26,7 +26,9 @@ void normal_product(const OperatorRows& m, const Eigen::VectorXd& squared_weight
 /// Returns the largest sum of absolute values in a row, of a symmetric matrix, from its lower half.
 double largest_sum(const SparseMatrix& lower) {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(lower.cols());
+  Checkpoints checkpoints;
   for (int j = 0; j < lower.outerSize(); ++j) {
+    checkpoints();
     for (SparseMatrix::InnerIterator it(lower, j); it; ++it) {
       sums[j] += std::abs(it.value());
       sums[it.row()] += it.row() != j ? std::abs(it.value()) : 0;
@@ -144,8 +146,7 @@ void RefinedSolver::solve(Points& right, Points& x) {
 
 class RefinedSolver::System : public RefinedSystem {
  public:
-  System(RefinedSolver& solver, const Points& right, const Progress& progress)
-      : s_(solver), right_(right), progress_(progress) {}
+  System(RefinedSolver& solver, const Points& right) : s_(solver), right_(right) {}
   void residual(const DoubledPoints& x, Points& left) override {
     normal_residual(*s_.matrix_->m, s_.squared_weights_, right_, x, s_.scratch_->between, left, *s_.pool_);
   }
@@ -153,20 +154,19 @@ class RefinedSolver::System : public RefinedSystem {
     subtract_normal_product(*s_.matrix_->m, s_.squared_weights_, step, s_.scratch_->between.high, left, *s_.pool_);
   }
   void solve(Points& left, Points& step) override {
-    report_progress(progress_, 0, "solve");
+    report_progress(0, "solve");
     s_.solve(left, step);
   }
 
  private:
   RefinedSolver& s_;
   const Points& right_;
-  const Progress& progress_;
 };
 
-Refinement RefinedSolver::refine_to_the_bit(const Points& right, Points& x, const Progress& progress) {
+Refinement RefinedSolver::refine_to_the_bit(const Points& right, Points& x) {
   Scratch& of = *scratch_;
   of.residual = right;
-  System system(*this, right, progress);
+  System system(*this, right);
   const Refinement done =
       lapedit::refine_to_the_bit(system, cholesky_.single_precision(), of.doubled, of.residual, of.step, *pool_);
   x = of.doubled.high;

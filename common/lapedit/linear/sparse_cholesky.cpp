@@ -2,12 +2,15 @@
 #include "lapedit/linear/linear.h"
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <type_traits>
 #include <utility>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/progress.h"
 #include "lapedit/base/simd.h"
 #include "lapedit/linear/supernodal_analysis.h"
 #include "lapedit/linear/supernodal_solve.h"
@@ -74,14 +77,35 @@ double scale_of(double largest) {
   return largest > 0 && std::isfinite(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1;
 }
 
-/// Returns the lower half of a symmetric matrix whose row k is row order[k] of the given one.
+/// Returns the lower half of a symmetric matrix whose row k is row order[k] of the given one. The entries of a column
+/// are in any order.
 SparseMatrix lower_in_order(const SparseMatrix& matrix, const std::vector<int>& order) {
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(matrix.rows());
+  std::vector<int> position(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    permutation.indices()[order[k]] = static_cast<int>(k);
+    position[order[k]] = static_cast<int>(k);
   }
+  const auto each_entry = [&](const auto& use) {
+    Checkpoints checkpoints;
+    for (int j = 0; j < matrix.outerSize(); ++j) {
+      checkpoints();
+      for (SparseMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
+        if (entry.row() >= j) {
+          const auto [column, row] = std::minmax(position[j], position[entry.row()]);
+          use(column, row, entry.value());
+        }
+      }
+    }
+  };
   SparseMatrix result(matrix.rows(), matrix.rows());
-  result.selfadjointView<Eigen::Lower>() = matrix.selfadjointView<Eigen::Lower>().twistedBy(permutation);
+  int* const offsets = result.outerIndexPtr();
+  each_entry([&](int column, int, double) { ++offsets[column + 1]; });
+  std::partial_sum(offsets, offsets + matrix.rows() + 1, offsets);
+  result.resizeNonZeros(offsets[matrix.rows()]);
+  std::vector<int> next(offsets, offsets + matrix.rows());
+  each_entry([&](int column, int row, double value) {
+    result.innerIndexPtr()[next[column]] = row;
+    result.valuePtr()[next[column]++] = value;
+  });
   return result;
 }
 
@@ -194,7 +218,7 @@ struct SupernodalCholesky : Analysed {
   SupernodalCholesky(const SparseMatrix& matrix, const CholeskyOptions& options, const Impl* like)
       : Analysed(options.pool ? options.pool : std::make_shared<ThreadPool>(1), "supernodal LLT") {
     analyse(matrix, options.order, like);
-    solver.emplace(analysis->pattern, lower_in_order(matrix, order), *pool, options.same_bits, options.between);
+    solver.emplace(analysis->pattern, lower_in_order(matrix, order), *pool, options.same_bits);
     if (!solver->positive_definite()) {
       refuse_matrix(matrix.rows());
     }

@@ -9,6 +9,8 @@
 #include <numeric>
 #include <utility>
 
+#include "lapedit/base/progress.h"
+
 namespace lapedit {
 namespace {
 
@@ -44,7 +46,9 @@ struct Neighbours {
       position[order[k]] = static_cast<int>(k);
     }
     const auto for_each = [&](const auto& body) {
+      Checkpoints checkpoints;
       for (int j = 0; j < matrix.outerSize(); ++j) {
+        checkpoints();
         for (SparseMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
           if (entry.row() > j) {
             const auto [low, high] = std::minmax(position[j], position[entry.row()]);
@@ -63,7 +67,9 @@ struct Neighbours {
 /// Computes the parents of the elimination tree (Liu 1990): each column's first row below the diagonal of the factor.
 std::vector<int> parents_of_columns(const Lists& left, int n) {
   std::vector<int> parent(n, kNone), ancestor(n, kNone);
+  Checkpoints checkpoints;
   for (int k = 0; k < n; ++k) {
+    checkpoints();
     for (const int* entry = left.begin(k); entry != left.end(k); ++entry) {
       for (int i = *entry, next = kNone; i != kNone && i < k; i = next) {
         next = std::exchange(ancestor[i], k);
@@ -124,7 +130,9 @@ std::vector<int> column_counts(const Lists& below, const std::vector<int>& paren
       first[j] = k;
     }
   }
+  Checkpoints checkpoints;
   for (const int j : post) {
+    checkpoints();
     if (parent[j] != kNone) {
       --count[parent[j]];
     }
@@ -274,7 +282,9 @@ void fill_rows(const Lists& left, const std::vector<int>& post, const std::vecto
   std::vector<int> next(pattern.row_offsets.begin(), pattern.row_offsets.end() - 1), seen(above.size(), kNone);
   pattern.rows.resize(pattern.row_offsets.back());
   const int n = static_cast<int>(post.size());
+  Checkpoints checkpoints;
   for (int k = 0; k < n; ++k) {
+    checkpoints();
     seen[of[k]] = k;
     pattern.rows[next[of[k]]++] = k;
     for (const int* entry = left.begin(post[k]); entry != left.end(post[k]); ++entry) {

@@ -21,9 +21,9 @@ template <typename Scalar>
 class SupernodalSolver {
  public:
   /// Factors a matrix. @param lower  its lower half, in the order of elimination; entries of a column in any order
-  /// @param pattern  of its factor; not kept. @param between  see CholeskyOptions
+  /// @param pattern  of its factor; not kept.
   SupernodalSolver(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool,
-                   bool same_bits = false, const std::function<void()>& between = {});
+                   bool same_bits = false);
   bool positive_definite() const;  ///< otherwise solving is not possible
   /// Shares the immutable tiles and has scratch of its own: both can work concurrently, each with its own pool. O(1).
   SupernodalSolver(const SupernodalSolver& other, const ThreadPool& pool);

@@ -36,24 +36,31 @@ class TreeWalk {
     const int count = static_cast<int>(tree_.tasks.size());
     if (threads_ == 1) {
       for (int t = 0; t < count; ++t) {
-        body(tree_.tasks[up ? t : count - 1 - t], 0);
+        visit(tree_.tasks[up ? t : count - 1 - t], 0, body);
       }
       return;
     }
     start(up);
     pool.each(threads_, [&](int thread) {
-      int task = kNone;
-      while (task != kNone || next(pool, task)) {
-        try {
-          body(tree_.tasks[task], thread);
-        } catch (...) {
-          failed_ = true;  // ends the waiting for tasks that depend on it
-          gate_.open();
-          throw;
+      try {
+        int task = kNone;
+        while (task != kNone || next(pool, task)) {
+          visit(tree_.tasks[task], thread, body);
+          task = release(tree_.tasks[task], up);
         }
-        task = release(tree_.tasks[task], up);
+      } catch (...) {
+        failed_ = true;  // ends the waiting for tasks that depend on it
+        gate_.open();
+        throw;
       }
     });
+  }
+
+  template <class Body>
+  static void visit(const Task& task, int thread, const Body& body) {
+    constexpr int kWork = 64;  // of a supernode
+    body(task, thread);
+    checkpoint(kWork * (task.last_node - task.first_node + 1));
   }
 
   void start(bool up) {

@@ -115,11 +115,11 @@ struct SolverThread::Impl {
   bool working = false;
   bool preparing = false;  // the background works on the newest request
   Remaining remaining = Remaining::Nothing;
+  std::string stage;
 
   std::atomic<int> newest{0};      // serial number, read by a running solve
   std::atomic<int> generation{0};  // counts requests that discard all earlier ones
   std::atomic<double> progress{0};
-  std::atomic<const char*> stage{""};
 
   Work work;
   std::atomic<bool> prepared{false};  // the background's job has a system or an error
@@ -148,7 +148,7 @@ struct SolverThread::Impl {
   void begin_job(int mine);
   void prepare_in_background();
   void take_prepared(std::unique_lock<std::mutex>& lock);
-  void make_cells(StepSolver& solver, const TriangleMesh& mesh, const Progress& progress_here);
+  void make_cells(StepSolver& solver, const TriangleMesh& mesh);
   void publish_ready(int mine, double prepare_ms, bool has_preview);
 
   // Posing.
@@ -204,10 +204,16 @@ void SolverThread::Impl::publish(int mine, const Change& change) {
 
 Progress SolverThread::Impl::progress_of(int mine) {
   return [this, mine](double fraction, const char* name) {
-    progress = fraction;
-    stage = name;
-    if (generation != mine) {
-      return false;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (generation != mine) {
+        return false;
+      }
+      if (progress == fraction && stage == name) {
+        return true;
+      }
+      progress = fraction;
+      stage = name;
     }
     if (wake) {
       wake();
@@ -231,9 +237,9 @@ void SolverThread::Impl::publish_ready(int mine, double prepare_ms, bool has_pre
 }
 
 /// Makes the cells. Ignores an error if only frames need cells, since poses are possible without them.
-void SolverThread::Impl::make_cells(StepSolver& solver, const TriangleMesh& mesh, const Progress& progress_here) {
+void SolverThread::Impl::make_cells(StepSolver& solver, const TriangleMesh& mesh) {
   try {
-    solver.make_cells(mesh, progress_here);
+    solver.make_cells(mesh);
   } catch (const EditError& error) {
     if (error.cause() == ErrorCause::Cancelled || solver.settings().method == EditMethod::Default) {
       throw;
@@ -246,19 +252,20 @@ void SolverThread::Impl::make_cells(StepSolver& solver, const TriangleMesh& mesh
 void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   const Stopwatch watch;
   const Progress progress_here = progress_of(mine);
+  const ProgressScope scope(progress_here);
   work.next_job.reset();
   validate(task.settings);
-  report_progress(progress_here, 0, "region");
+  report_progress(0, "region");
   const FoundRegion found = find_region(*task.mesh, *task.adjacency, task.region, task.groups, task.weights);
   publish(mine, [&] { response.update.region = found.region; });
   const auto solver =
       std::make_shared<StepSolver>(*task.mesh, found, task.settings, StepOptions{task.scalar, task.mirror});
   const bool is_large = found.region->size() >= kPreviewFrom;
   if (is_large || task.settings.method == EditMethod::Linear) {
-    make_cells(*solver, *task.mesh, progress_here);
+    make_cells(*solver, *task.mesh);
   }
   if (!is_large) {
-    solver->prepare(*task.mesh, progress_here, work.system.get());
+    solver->prepare(*task.mesh, work.system.get());
     work.solver = solver;
     work.generation = mine;
     publish_ready(mine, watch.elapsed(), false);
@@ -299,8 +306,9 @@ void SolverThread::Impl::prepare_in_background() {
   work.job = std::exchange(work.next_job, nullptr);
   work.job->previous = std::move(work.system);
   const auto make = [this, job = work.job] {
-    job->error = message_of(
-        [&] { job->system = job->solver->make_system(*job->mesh, progress_of(job->generation), job->previous.get()); });
+    const Progress progress_here = progress_of(job->generation);
+    const ProgressScope scope(progress_here);
+    job->error = message_of([&] { job->system = job->solver->make_system(*job->mesh, job->previous.get()); });
     {
       const std::lock_guard<std::mutex> lock(mutex);  // Prevents a lost wake-up.
       prepared = true;
@@ -396,11 +404,14 @@ bool SolverThread::Impl::refine_frame() {
 
 void SolverThread::Impl::solve(int mine, Answer kind) {
   const Stopwatch watch;
-  const auto keep_going = [this, mine](double, const char*) { return generation == mine && newest == work.serial; };
+  // A newer request ends a full pose; otherwise requests that come faster than poses would leave none.
+  const Progress keep_going = [this, mine, kind](double, const char*) {
+    return generation == mine && (kind != Answer::Full || newest == work.serial);
+  };
   const bool is_frame = kind == Answer::Preview && pose_frame();
+  const ProgressScope scope(keep_going);
   if (!is_frame) {
-    work.pose.positions =
-        work.solver->pose(work.maps, Affine::Identity(), kind == Answer::Full ? Progress(keep_going) : Progress());
+    work.pose.positions = work.solver->pose(work.maps);
   }
   work.pose.solve_ms = watch.elapsed();
   const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(work.solver->report(false)) : nullptr;
@@ -432,6 +443,10 @@ void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
     } else if (is_frame) {
       solve(mine, Answer::Full);
     } else {
+      const Progress keep_going = [this, mine](double, const char*) {
+        return generation == mine && newest == work.serial;
+      };
+      const ProgressScope scope(keep_going);
       const auto report = std::make_shared<const EditReport>(work.solver->report(false));
       publish(mine, [&] {
         remaining = Remaining::Nothing;
@@ -595,7 +610,8 @@ double SolverThread::progress() const {
   return impl_->progress;
 }
 
-const char* SolverThread::stage() const {
+std::string SolverThread::stage() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   return impl_->stage;
 }
 

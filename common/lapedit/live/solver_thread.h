@@ -92,7 +92,7 @@ class SolverThread {
 
   bool busy() const;          ///< whether requests are unanswered, reports not counted
   double progress() const;    ///< of preparing or applying, 0 to 1
-  const char* stage() const;  ///< name of the current stage
+  std::string stage() const;  ///< name of the current stage
 
  private:
   struct Impl;

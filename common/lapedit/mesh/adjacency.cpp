@@ -57,13 +57,17 @@ IndexLists faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count,
   };
   in_chunks(pool, faces.rows(), [&](int chunk, int first, int last) {
     chunks[chunk].assign(vertex_count, Place());
+    Checkpoints checkpoints;
     for (int f = first; f < last; ++f) {
+      checkpoints();
       each_corner(f, [&](int v) { ++chunks[chunk][v].count; });
     }
   });
   IndexLists around = make_rows(chunks, vertex_count);
   in_chunks(pool, faces.rows(), [&](int chunk, int first, int last) {
+    Checkpoints checkpoints;
     for (int f = first; f < last; ++f) {
+      checkpoints();
       each_corner(f, [&](int v) { around.values[chunks[chunk][v].count++] = f; });
     }
   });
@@ -87,14 +91,18 @@ IndexLists rings(ThreadPool& pool, VertexQuery& chunks, const IndexLists& around
   in_chunks(pool, around.rows(), [&](int chunk, int first, int last) {
     std::vector<Place>& positions = chunks[chunk];
     positions.assign(around.rows(), Place());
+    Checkpoints checkpoints;
     for (int v = first; v < last; ++v) {
+      checkpoints();
       each_neighbour(v, [&](int w) { positions[w] = {positions[w].count + (positions[w].last != v), v}; });
     }
   });
   IndexLists next = make_rows(chunks, around.rows());
   in_chunks(pool, around.rows(), [&](int chunk, int first, int last) {
     std::vector<Place>& positions = chunks[chunk];
+    Checkpoints checkpoints;
     for (int v = first; v < last; ++v) {
+      checkpoints();
       each_neighbour(v, [&](int w) {
         positions[w] = {positions[w].count + (positions[w].last != v), v};
         next.values[positions[w].count - 1] = v;
@@ -127,7 +135,9 @@ int connected_components(const IndexLists& neighbours, std::vector<int>& labels,
     }
     return v;
   };
+  Checkpoints checkpoints;
   for (int v = 0; v < n; ++v) {
+    checkpoints();
     parent[v] = v;
     int root = v;
     for (const int w : neighbours[v]) {

@@ -34,6 +34,7 @@ void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const Regio
   std::vector<char> seen(n, 0);
   std::vector<Part> closed;
   bool any_open = false;
+  Checkpoints checkpoints;
   for (int start = 0; start < n; ++start) {
     if (seen[start] || !(found.distance[start] > inner) || found.distance[start] == kUnreached) {
       continue;
@@ -42,6 +43,7 @@ void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const Regio
     bool is_open = false;
     seen[start] = 1;
     for (std::size_t k = 0; k < part.vertices.size(); ++k) {
+      checkpoints();
       for (const int w : adjacency.neighbours[part.vertices[k]]) {
         is_open |= seen[w] == 2 || !mesh.vertices.row(w).allFinite();
         if (!seen[w] && found.distance[w] > inner) {
@@ -81,7 +83,9 @@ void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const Regio
 double winding(const TriangleMesh& mesh, const std::vector<int>& faces, const Vector3& point) {
   constexpr double kFullAngle = 12.566370614359172;
   double angle = 0;
+  Checkpoints checkpoints;
   for (const int f : faces) {
+    checkpoints();
     std::array<Vector3, 3> to;
     for (int k = 0; k < 3; ++k) {
       to[k] = (mesh.vertices.row(mesh.faces(f, k)).transpose() - point).normalized();
@@ -118,7 +122,9 @@ class PieceSearch {
   void take(const Adjacency& adjacency, const std::vector<char>& allowed) {
     std::vector<std::vector<int>> pieces;
     std::vector<char> seen(found_.distance.size(), 0);
+    Checkpoints checkpoints;
     for (std::size_t v = 0; v < seen.size(); ++v) {
+      checkpoints();
       if (std::vector<int> piece = piece_of(static_cast<int>(v), adjacency, allowed, seen); !piece.empty()) {
         pieces.push_back(std::move(piece));
       }
@@ -187,7 +193,9 @@ class PieceSearch {
 
   void consider(const std::vector<int>& piece, bool may_be_enclosed) {
     std::vector<std::pair<int, int>> links;
+    Checkpoints checkpoints;
     for (const int v : piece) {
+      checkpoints();
       const int near = grid_.nearest(mesh_.vertices.row(v).transpose(), kTouches * size_);
       if (near >= 0) {
         links.emplace_back(v, near);

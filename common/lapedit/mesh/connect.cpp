@@ -100,7 +100,9 @@ bool LinkSearch::leads(int from, int to) {
 std::vector<Link> LinkSearch::links() {
   const VertexGrid grid(points_, usable_);
   std::vector<Link> links;
+  Checkpoints checkpoints;
   for (const int v : usable_) {
+    checkpoints();
     const Vector3 position = points_.row(v).transpose();
     const int to = box_.contains(position) ? grid.nearest(position, gap_, [&](int w) { return leads(v, w); }) : -1;
     if (to >= 0) {
@@ -117,7 +119,9 @@ IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<
   linked.offsets.reserve(neighbours.offsets.size());
   linked.values.reserve(neighbours.values.size() + edges.size());
   auto edge = edges.begin();
+  Checkpoints checkpoints;
   for (int v = 0; v < neighbours.rows(); ++v) {
+    checkpoints();
     const auto first = linked.values.size();
     linked.values.insert(linked.values.end(), neighbours[v].begin(), neighbours[v].end());
     for (; edge != edges.end() && edge->first == v; ++edge) {

@@ -40,7 +40,9 @@ std::vector<int> unconnected(const IndexLists& neighbours, const std::vector<int
   std::unordered_map<int, int> finder;  // per visited vertex: the suspect from which it was found
   std::vector<char> is_connected;       // per suspect
   std::vector<int> found, result;
+  Checkpoints checkpoints;
   for (const int suspect : suspects) {
+    checkpoints();
     const int number = static_cast<int>(is_connected.size());
     if (!(distance(suspect) < kUnreached) || !finder.emplace(suspect, number).second) {
       continue;
@@ -51,6 +53,7 @@ std::vector<int> unconnected(const IndexLists& neighbours, const std::vector<int
     found.clear();
     bool connected = false;
     while (!queue.empty() && !connected) {
+      checkpoints();
       const auto [here, vertex] = queue.top();
       queue.pop();
       found.push_back(vertex);
@@ -101,7 +104,9 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
   for (const int seed : seeds) {
     offer(seed, 0);
   }
+  Checkpoints checkpoints;
   while (!heap_.empty() && reached_.size() < most) {
+    checkpoints();
     const auto [distance, vertex] = heap_.front();
     std::pop_heap(heap_.begin(), heap_.end(), farther);
     heap_.pop_back();
@@ -309,7 +314,9 @@ void DistanceField::advance(Front& front, double end) {
     }
   }
   front.far.resize(kept);
+  Checkpoints checkpoints;
   for (std::size_t i = 0; i < front.near.size(); ++i) {
+    checkpoints();
     fetch_ahead(front, i);
     const Front::Item item = front.near[i];
     if (is_old(item)) {

@@ -46,9 +46,12 @@ GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
     for (int i = 0; i < region.size(); ++i) {
       distances(i, k) = search.distance(i);
     }
+    checkpoint(region.size());
   }
   result.weights.setZero(region.size(), groups);
+  Checkpoints checkpoints;
   for (int i = 0; i < region.size(); ++i) {
+    checkpoints(1 + groups);
     if (is_handle(i)) {
       result.weights(i, region.group[i]) = 1;
     } else if (region.classes[i] != VertexClass::Anchor) {

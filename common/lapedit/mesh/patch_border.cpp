@@ -13,7 +13,9 @@ using Edge = std::pair<unsigned, unsigned>;
 std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
   // Lists the larger ends of edges by their smaller ends.
   const auto each_edge = [&corners](const auto& call) {
+    Checkpoints checkpoints;
     for (std::size_t i = 0; i < corners.size(); ++i) {
+      checkpoints();
       const unsigned a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
       if (a != b) {
         call(std::min(a, b), std::max(a, b));
@@ -27,7 +29,9 @@ std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
   std::vector<unsigned> larger(end.back());
   each_edge([&](unsigned a, unsigned b) { larger[end[a]++] = b; });
   std::vector<Edge> edges;
+  Checkpoints checkpoints;
   for (std::size_t a = 0, first = 0; a < n; first = end[a++]) {
+    checkpoints();
     std::sort(larger.begin() + static_cast<std::ptrdiff_t>(first), larger.begin() + end[a]);
     for (std::size_t i = first; i < end[a]; ++i) {
       if ((i == first || larger[i - 1] != larger[i]) && (i + 1 == end[a] || larger[i + 1] != larger[i])) {

@@ -166,16 +166,19 @@ void gather(ThreadPool& pool, int count, const Select& select, const Reserve& re
   constexpr int kGrain = 4096;
   constexpr int kPiecesPerThread = 4;  // since threads are seldom equally fast
   const int pieces = std::max(1, std::min(count / kGrain, kPiecesPerThread * pool.threads()));
-  const auto border = [=](int piece) { return static_cast<int>(static_cast<std::int64_t>(count) * piece / pieces); };
   std::vector<Counts> positions(pieces + 1, Counts{0, 0});
-  pool.each(pieces, [&](int piece) { positions[piece + 1] = select(border(piece), border(piece + 1)); });
+  in_chunks(pool, pieces, count, [&](int piece, std::int64_t first, std::int64_t last) {
+    positions[piece + 1] = select(static_cast<int>(first), static_cast<int>(last));
+  });
   for (int piece = 0; piece < pieces; ++piece) {
     for (int kind = 0; kind < 2; ++kind) {
       positions[piece + 1][kind] += positions[piece][kind];
     }
   }
   reserve(positions[pieces]);
-  pool.each(pieces, [&](int piece) { take(border(piece), border(piece + 1), positions[piece]); });
+  in_chunks(pool, pieces, count, [&](int piece, std::int64_t first, std::int64_t last) {
+    take(static_cast<int>(first), static_cast<int>(last), positions[piece]);
+  });
 }
 
 /// Calls each of the functions once, on several threads, since page faults of new memory take most of their time.
@@ -475,7 +478,9 @@ void find_components(const std::vector<std::pair<int, int>>& handles, Region& re
 /// Lists the edges of the region's graph that the mesh does not have.
 void find_links(const Adjacency& adjacency, Region& region) {
   region.links.clear();
+  Checkpoints checkpoints;
   for (int i = 0; i < region.size(); ++i) {
+    checkpoints();
     const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
     for (const int j : region.neighbours[i]) {
       if (i < j && !std::binary_search(ring.begin(), ring.end(), region.mesh_vertex[j])) {

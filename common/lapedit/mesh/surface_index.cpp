@@ -99,6 +99,7 @@ int SurfaceIndex::build(int* first, int* last, const Points& centres) {
   const auto node = nodes_.size();
   nodes_.emplace_back().count = 0;
   const auto halve = [&centres](int* from, int* to) {
+    Checkpoints checkpoints;
     Eigen::AlignedBox3d box;
     for (const int* f = from; f < to; ++f) {
       box.extend(centres.row(*f).transpose());
@@ -106,10 +107,13 @@ int SurfaceIndex::build(int* first, int* last, const Points& centres) {
     Eigen::Index axis = 0;
     box.sizes().maxCoeff(&axis);
     int* const middle = from + (to - from) / 2;
-    std::nth_element(from, middle, to,
-                     [&](int a, int b) { return std::pair(centres(a, axis), a) < std::pair(centres(b, axis), b); });
+    std::nth_element(from, middle, to, [&](int a, int b) {
+      checkpoints();
+      return std::pair(centres(a, axis), a) < std::pair(centres(b, axis), b);
+    });
     return middle;
   };
+  checkpoint(static_cast<int>(last - first));
   int* const middle = halve(first, last);
   int* const ends[] = {first, halve(first, middle), middle, halve(middle, last), last};
   for (int k = 0; k < 4; ++k) {

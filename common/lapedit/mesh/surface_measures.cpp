@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lapedit/base/polar_decomposition.h"
+#include "lapedit/base/progress.h"
 
 namespace lapedit {
 namespace {
@@ -62,7 +63,9 @@ double stretched_area(const Region& region, const Points& before, const Points& 
     return Vector3(u.dot(u), u.dot(v), v.dot(v));
   };
   double all = 0, stretched = 0;
+  Checkpoints checkpoints;
   for (const auto& face : region.faces.rowwise()) {
+    checkpoints();
     const Vector3 old = metric(before, face), now = metric(after, face);
     const double squared = old[0] * old[2] - old[1] * old[1];  // of twice the area
     if (!(squared > 0)) {
@@ -92,7 +95,9 @@ void vertex_normals(const Points& points, const Faces& faces, Points& normals, E
   constexpr double kCancelled = 1e-12;  // the sum of opposite faces is rounding, not a direction
   normals.setZero(points.rows(), 3);
   areas.setZero(points.rows());
+  Checkpoints checkpoints;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    checkpoints();
     const Vector3 a = points.row(faces(f, 0)).transpose();
     const Vector3 ab = points.row(faces(f, 1)).transpose() - a;
     const Vector3 ac = points.row(faces(f, 2)).transpose() - a;
@@ -137,7 +142,9 @@ EdgeStretch edge_stretch(const Region& region, const Points& before, const Point
   double sum = 0;
   int edges = 0;
   auto link = region.links.begin();  // no part of the surface
+  Checkpoints checkpoints;
   for (int i = 0; i < region.size(); ++i) {
+    checkpoints();
     for (const int j : region.neighbours[i]) {
       if (link != region.links.end() && *link == std::pair(i, j)) {
         ++link;
@@ -162,7 +169,9 @@ EdgeStretch edge_stretch(const Region& region, const Points& before, const Point
 int flipped_triangles(const Region& region, const Points& before, const Points& after,
                       const std::vector<Matrix3>& rotations) {
   int count = 0;
+  Checkpoints checkpoints;
   for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    checkpoints();
     count += is_flipped(region, f, before, after, rotations);
   }
   return count;
@@ -171,7 +180,9 @@ int flipped_triangles(const Region& region, const Points& before, const Points& 
 double enclosed_volume(const Region& region, const Points& positions) {
   const Points from = centres(region, positions);
   double sum = 0;
+  Checkpoints checkpoints;
   for (const auto& face : region.faces.rowwise()) {
+    checkpoints();
     const auto centre = from.row(region.component[face[0]]);
     const Vector3 a = positions.row(face[0]) - centre, b = positions.row(face[1]) - centre,
                   c = positions.row(face[2]) - centre;
@@ -197,7 +208,9 @@ std::vector<ComponentVolume> component_volumes(const Region& region, const Point
   std::vector<ComponentVolume> result(count);
   std::vector<double> area(count, 0);
   std::vector<Vector3> cap(count, Vector3::Zero());
+  Checkpoints checkpoints;
   for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    checkpoints();
     const int c = region.component[region.faces(f, 0)];
     const Vector3 normal = face_normal(positions, region.faces, f);
     const Vector3 corner = positions.row(region.faces(f, 0)).transpose();
@@ -219,7 +232,9 @@ bool moved_rigidly(const Region& region, const Points& before, const Points& aft
     Matrix3 rotation = Matrix3::Zero();
   };
   std::vector<Fit> fits(region.anchored.size());
+  Checkpoints checkpoints;
   for (int i = 0; i < region.size(); ++i) {
+    checkpoints();
     Fit& fit = fits[region.component[i]];
     fit.count += 1;
     fit.from += (before.row(i).transpose() - fit.from) / fit.count;
@@ -235,6 +250,7 @@ bool moved_rigidly(const Region& region, const Points& before, const Points& aft
     fit.rotation = nearest_rotation(fit.rotation);
   }
   for (int i = 0; i < region.size(); ++i) {
+    checkpoints();
     const Fit& fit = fits[region.component[i]];
     const Vector3 from = before.row(i).transpose() - fit.from, to = after.row(i).transpose() - fit.to;
     if (!((to - fit.rotation * from).norm() <= kRigid * fit.extent + rounding)) {

@@ -117,7 +117,9 @@ MirrorPlane SymmetrySearch::refined(const MirrorPlane& plane) const {
   Matrix3 apart = Matrix3::Zero();
   Vector3 between = Vector3::Zero();
   int count = 0;
+  Checkpoints checkpoints;
   for (const int v : sample_) {
+    checkpoints();
     const Vector3 position = position_of(mesh_.vertices, v);
     const int near = grid_.nearest(mirror * position, limit);
     if (near >= 0) {
@@ -211,7 +213,9 @@ int MirrorImages::of(int v) const {
 std::vector<std::pair<int, int>> MirrorImages::of(const std::vector<int>& set, std::vector<int>& missing) const {
   std::vector<std::pair<int, int>> pairs;
   Eigen::AlignedBox3d box;
+  Checkpoints checkpoints;
   for (const int v : set) {
+    checkpoints();
     box.extend(mirror_ * position_of(mesh_.vertices, v));
     const int image = of(v);
     if (image >= 0) {
@@ -223,6 +227,7 @@ std::vector<std::pair<int, int>> MirrorImages::of(const std::vector<int>& set, s
   const Vector3 margin = Vector3::Constant(edge_);
   box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
   for (std::size_t k = 0; set.size() > 1 && k < usable_.size(); ++k) {
+    checkpoints();
     const int v = usable_[k], image = box.contains(position_of(mesh_.vertices, v)) ? of(v) : -1;
     if (image >= 0 && contains(set, image)) {
       pairs.emplace_back(v, image);
@@ -288,7 +293,9 @@ PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const
   const double limit = kSame * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm();
   const VertexGrid grid(rest_, all);
   twin_.resize(region.size());
+  Checkpoints checkpoints;
   for (int i = 0; i < region.size(); ++i) {
+    checkpoints();
     twin_[i] = grid.nearest(mirror * position_of(rest_, i), limit);
   }
   const auto alone = [this](int i) { return twin_[i] < 0 || twin_[twin_[i]] != i; };

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "lapedit/base/progress.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -33,7 +34,9 @@ Weld::Weld(const Points& vertices) {
     size *= 2;
   }
   std::vector<int> at(size, -1);  // an open hash table of vertices
+  Checkpoints checkpoints;
   for (int v = 0; v < n; ++v) {
+    checkpoints();
     if (!vertices.row(v).allFinite()) {
       continue;
     }

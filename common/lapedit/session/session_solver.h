@@ -67,7 +67,7 @@ struct Preparation {
   bool has_preview = false;  ///< frames of a drag are available, at least from the region's cells
   bool ready = false;
   double progress = 0;  ///< 0 to 1
-  const char* stage = "";
+  std::string stage;
 };
 
 /// Figures of the panel: counts of vertices, times in milliseconds, lengths in model units.
