@@ -168,6 +168,7 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
 void apply_edit(const TriangleMesh& mesh, const Adjacency& adjacency, const Edit& edit,
                 const SelectedVertices& selection, const std::vector<double>& fractions, const EachPose& each,
                 StoredScalar scalar, const Progress& progress, const SolverOptions& options) {
+  const ProgressScope scope(progress);
   std::for_each(fractions.begin(), fractions.end(), check_fraction);
   require_same_mesh(mesh, edit);
   const Edit numbered = located(mesh, adjacency, edit, selection);
