@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "allocation_watch.h"
+#include "lapedit/cells/cell_packing.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -279,6 +280,39 @@ TEST(CellPacking, NeighbouringGroupsHaveCellsOfTheirOwn) {
     of = t.region.group[i] >= 0 ? t.region.group[i] : of;
   }
   EXPECT_EQ(shared, 0);
+}
+
+/// Fails if work or memory for cells grows with the number of groups beyond the usual number of cells, or if a cell of
+/// a packing that was given up is used.
+TEST(CellPacking, AnyNumberOfGroupsHasAFewHundredCells) {
+  const TriangleMesh mesh = shapes::grid(60, 60);
+  for (const int count : {300, 1300, 3000, 3600}) {
+    std::vector<std::vector<int>> groups;
+    for (int g = 0; g < count; ++g) {
+      groups.push_back({3600 * g / count});
+    }
+    if (count == 1300) {
+      groups[7] = where(mesh, 0.2, 5.2);  // larger groups keep their cells
+      const auto is_other = [&](const std::vector<int>& group) {
+        return group.size() > 1 || !std::binary_search(groups[7].begin(), groups[7].end(), group[0]);
+      };
+      groups.erase(std::stable_partition(groups.begin(), groups.end(), is_other), groups.end());
+    }
+    Turned t(mesh, support::component(), groups, settled());
+    const RegionCells& cells = t.model.cells();
+    EXPECT_LT(cells.count(), 1000) << count;
+    for (const int of : cells.of) {
+      ASSERT_GE(of, 0) << count;
+      ASSERT_LT(of, cells.count()) << count;
+    }
+    EXPECT_EQ(groups_with_cells(t.region).size(), count == 300 ? 300U : count == 1300 ? 1U : 0U);
+    Maps maps;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      maps.push_back({shift(Vector3(0, 0, std::sin(static_cast<double>(g))))});
+    }
+    t.solve(maps);
+    EXPECT_TRUE(t.cells().displacement().allFinite()) << count;
+  }
 }
 
 // --- strange input ---

@@ -603,6 +603,33 @@ TEST(Edit, EndsAtEachCallOfEachKind) {
   }
 }
 
+/// Dense landmarks. Without rotations they give what single targets give, and with rotations nearly so.
+TEST(Edit, ThousandsOfHandleGroupsAreMet) {
+  const TriangleMesh mesh = shapes::grid(60, 60);
+  for (const int stride : {1, 2}) {
+    EditStep many, one;
+    one.handles.resize(1);
+    for (int v = 0; v < static_cast<int>(mesh.vertices.rows()) - 60; v += stride) {
+      const Vector3 place = mesh.vertices.row(v), moved(0, 0, 3 * std::sin(0.1 * place[0]) * std::cos(0.07 * place[1]));
+      many.handles.push_back({{v}, {}});
+      many.handles.back().transform.translation = moved;
+      one.handles[0].vertices.push_back(v);
+      one.handles[0].targets.emplace_back(place + moved);
+    }
+    many.region = one.region = support::component();
+    for (const EditMethod method : {EditMethod::Default, EditMethod::Linear}) {
+      many.settings = one.settings = EditSettings::of(method);
+      const EditResult result = apply_edit(mesh, edit_of({many}));
+      EXPECT_LT(result.reports[0].handle_residual, 0.05) << name(method);
+      EXPECT_EQ(result.reports[0].flipped, 0) << name(method);
+      const Points expected = applied(mesh, edit_of({one}));
+      EXPECT_LT((support::edited(mesh, result) - expected).cwiseAbs().maxCoeff(),
+                method == EditMethod::Linear ? 1e-9 : 0.05)
+          << name(method);
+    }
+  }
+}
+
 TEST(Edit, ThreadsDoNotChangeABit) {
   const TriangleMesh mesh = shapes::bumpy_grid();
   EditStep step = pull({50 * 60 + 30}, {5, 0, 10}, 25);

@@ -2,6 +2,7 @@
 //
 // A small mesh and an edit of it. The result is finite and what the mesh can store; what is refused says why; it has
 // the same bits with any number of threads, beside other fractions and read from JSON; fraction 0 is the mesh.
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -170,6 +171,26 @@ Edit by_position(Choices& choose, const TriangleMesh& mesh, Edit edit) {
   return choose.flag() ? located(mesh, adjacency, with_positions(mesh, adjacency, edit)) : edit;
 }
 
+/// Replaces mesh and edit by a grid with thousands of small handle groups.
+void take_many_groups(Choices& choose, TriangleMesh& mesh, Edit& edit) {
+  mesh = shapes::grid(40 + choose.below(40), 40);
+  edit.steps.resize(1);
+  EditStep& step = edit.steps[0];
+  step = EditStep();
+  step.region.kind = choose.flag() ? RegionSpec::Kind::Component : RegionSpec::Kind::Radius;
+  step.region.radius = 1 + choose.below(5);
+  const int stride = 1 + choose.below(3), largest = choose.below(4);
+  for (int first = 0, size = 1; first + size <= vertex_count(mesh); first += size + stride - 1) {
+    size = 1 + (largest > 0 ? first % largest : 0);
+    HandleGroup group;
+    for (int v = first; v < std::min(first + size, vertex_count(mesh)); ++v) {
+      group.vertices.push_back(v);
+    }
+    group.transform.translation = Vector3(0, 0, first % 7 / 8.0);
+    step.handles.push_back(std::move(group));
+  }
+}
+
 /// The same edit after it was text; nothing if it cannot be one.
 std::optional<Edit> reread(const Edit& edit) {
   try {
@@ -193,11 +214,10 @@ void check_result(const TriangleMesh& mesh, const EditResult& result) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Choices choose(data, size);
-  const TriangleMesh mesh = random_mesh(choose);
+  TriangleMesh mesh = random_mesh(choose);
   const int threads = 1 + choose.below(3);
   const double fraction = choose.below(9) / 8.0;
   Edit edit = edit_of(choose, mesh);
-  const TriangleMesh before = mesh;
   if (choose.below(3) == 1) {
     try {
       edit = by_position(choose, mesh, std::move(edit));
@@ -206,6 +226,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       return 0;
     }
   }
+  if (choose.below(64) == 63) {
+    take_many_groups(choose, mesh, edit);
+  }
+  const TriangleMesh before = mesh;
 
   EditResult alone;
   std::string refusal;

@@ -152,6 +152,7 @@ def main():
             write(target, f"random_{number:02}", dice.randbytes(dice.choice([40, 80, 160])))
     for number in range(RANDOM):  # longer: what says where stands behind the edit
         write("edit", f"long_{number:02}", dice.randbytes(400))
+    write("edit", "many_groups", bytes([63]) * 400)
     for name, value in edits():
         write("json", name, json.dumps(value))
     for name, text in bad_texts():

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <numeric>
 
 #include "lapedit/mesh/geodesic.h"
@@ -36,6 +37,7 @@ class Packing {
   void choose_spacing();
   void measure_edges();
   void sort();
+  void find_groups();
   int seed(int most, std::vector<int>& of);
   void claim(int seed, int cell, std::vector<int>& of);
   std::int64_t in_steps(double length) const;
@@ -46,7 +48,7 @@ class Packing {
   int mirror_image(std::size_t t) const;
   bool is_rigid(int i) const {
     return region_.classes[i] == VertexClass::Handle
-               ? region_.weight(i) == 1
+               ? group_[i] >= 0 && region_.weight(i) == 1
                : region_.classes[i] == VertexClass::Anchor && !region_.anchor_depth.empty() &&
                      region_.anchor_depth[i] == 1;
   }
@@ -55,7 +57,8 @@ class Packing {
   const Points& rest_;
   ThreadPool& pool_;
   const int target_;
-  std::vector<int> lone_;  // vertices of one-vertex groups; each has its own cell
+  std::vector<int> group_;  // per vertex: its group if that has cells of its own, else -1
+  std::vector<int> lone_;   // vertices of one-vertex groups; each has its own cell
   bool all_lone_ = false;
   std::vector<char> rigid_;
   std::vector<double> depth_;   // distance from the border of its rigid part, model units
@@ -76,6 +79,22 @@ class Packing {
   } ties_;
 };
 
+void Packing::find_groups() {
+  lone_ = lone_vertices(region_);
+  std::vector<char> has_cells(lone_.size(), 0);
+  for (const int g : groups_with_cells(region_)) {
+    has_cells[g] = 1;
+  }
+  group_ = region_.group;
+  for (int& g : group_) {
+    g = g >= 0 && has_cells[g] ? g : -1;
+  }
+  const auto last =
+      std::remove_if(lone_.begin(), lone_.end(), [this](int vertex) { return vertex < 0 || group_[vertex] < 0; });
+  all_lone_ = last == lone_.end();
+  lone_.erase(last, lone_.end());
+}
+
 /// Finds the rigid parts: handle vertices of weight 1, and anchors of depth 1.
 void Packing::find_rigid() {
   const int n = region_.size();
@@ -91,7 +110,7 @@ void Packing::find_rigid() {
   for (int i = 0; i < n; ++i) {
     if (rigid_[i]) {
       for (const int j : region_.neighbours[i]) {
-        if (!rigid_[j] || region_.group[j] != region_.group[i]) {
+        if (!rigid_[j] || group_[j] != group_[i]) {
           border.push_back(i);
           break;
         }
@@ -237,11 +256,11 @@ std::array<std::int64_t, 3> Packing::position(int vertex) const {
 void Packing::name_groups(std::vector<int>& name) const {
   constexpr std::int64_t kSame = 2;
   const double scale = extent_ > 0 ? kKeys / extent_ : 0;
-  name = region_.group;
+  name = group_;
   for (const int v : order_) {
     std::int64_t shortest = INT64_MAX;
     for (const int w : region_.neighbours[v]) {
-      if (region_.group[v] < 0 && keys_[w] < keys_[v] && name[w] >= 0) {
+      if (group_[v] < 0 && keys_[w] < keys_[v] && name[w] >= 0) {
         const auto through = static_cast<std::int64_t>(keys_[w] + scale * (rest_.row(v) - rest_.row(w)).norm() + 0.3);
         if (through + kSame < shortest || (through <= shortest + kSame && name[w] < name[v])) {
           name[v] = name[w];
@@ -314,7 +333,7 @@ void Packing::claim(int seed, int cell, std::vector<int>& of) {
     for (int k = neighbours.offsets[v]; k < neighbours.offsets[v + 1]; ++k) {
       const int w = neighbours.values[k];
       const unsigned through = here + lengths_[k];
-      const int group = region_.group[seed], other = region_.group[w];
+      const int group = group_[seed], other = group_[w];
       if (through <= kSpacing && through < distance_[w] && (group < 0 || other < 0 || group == other)) {
         distance_[w] = static_cast<Steps>(through);
         of[w] = cell;
@@ -375,10 +394,7 @@ int Packing::seed(int most, std::vector<int>& of) {
 }
 
 int Packing::pack(std::vector<int>& of) {
-  lone_ = lone_vertices(region_);
-  const auto larger = std::remove(lone_.begin(), lone_.end(), -1);
-  all_lone_ = larger == lone_.end();
-  lone_.erase(larger, lone_.end());
+  find_groups();
   find_rigid();
   choose_spacing();
   sort();
@@ -386,10 +402,13 @@ int Packing::pack(std::vector<int>& of) {
   ties_.from_middle.resize(region_.size());
   constexpr double kTooMany = 1.3;
   constexpr int kTries = 6;
+  const auto lone = static_cast<int>(lone_.size());
+  // More cells than this are always too many, so a packing that seed() gives up is never taken.
+  const int most = std::max(4 * target_ + 100, lone + static_cast<int>(std::ceil(kTooMany * target_)));
   for (int tries = 1;; ++tries) {
     measure_edges();
-    const int cells = seed(tries < kTries ? 4 * target_ + 100 : 0, of);
-    const double many = static_cast<double>(cells - static_cast<int>(lone_.size())) / target_;
+    const int cells = seed(tries < kTries ? most : 0, of);
+    const double many = static_cast<double>(cells - lone) / target_;
     if (many <= kTooMany || tries == kTries) {
       return cells;
     }
@@ -398,6 +417,29 @@ int Packing::pack(std::vector<int>& of) {
 }
 
 }  // namespace
+
+std::vector<int> groups_with_cells(const Region& region) {
+  constexpr std::size_t kMostGroups = 400;
+  std::vector<int> sizes(1 + *std::max_element(region.group.begin(), region.group.end()), 0);
+  for (const int g : region.group) {
+    if (g >= 0) {
+      ++sizes[g];
+    }
+  }
+  int too_small = 0;
+  if (sizes.size() > kMostGroups) {
+    std::vector<int> sorted = sizes;
+    std::nth_element(sorted.begin(), sorted.begin() + kMostGroups, sorted.end(), std::greater<>());
+    too_small = sorted[kMostGroups];
+  }
+  std::vector<int> groups;
+  for (std::size_t g = 0; g < sizes.size(); ++g) {
+    if (sizes[g] > too_small) {
+      groups.push_back(static_cast<int>(g));
+    }
+  }
+  return groups;
+}
 
 int pack_cells(const Region& region, const Points& rest, int target, ThreadPool& pool, std::vector<int>& of) {
   return Packing(region, rest, target, pool).pack(of);

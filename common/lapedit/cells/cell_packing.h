@@ -8,6 +8,11 @@
 
 namespace lapedit {
 
+/// Returns the handle groups that have cells of their own, ascending: all, or the largest ones if there are more than
+/// 400 groups, since each group would need a cell. Vertices of the others are like free vertices for the cells.
+/// O(vertices)
+std::vector<int> groups_with_cells(const Region& region);
+
 /// Divides a region into patches of neighbouring vertices that are about as wide as long, whatever the shape of the
 /// triangles.
 ///
@@ -17,7 +22,8 @@ namespace lapedit {
 /// and of the anchor band, where rotations do not vary. Vertices at the same distance from the handles are sorted by
 /// their distance from the region's middle, then by the edges around them and the nearest group, then by coordinates,
 /// and by number only if coordinates are equal. Two vertices that are each other's mirror images and near each other
-/// begin one cell. Neighbouring groups have cells of their own. The result is the same for any number of threads.
+/// begin one cell. Neighbouring groups of groups_with_cells() have cells of their own. The result is the same for any
+/// number of threads.
 /// @param rest    size() x 3, the region's rest pose about a local origin
 /// @param target  wanted number of cells; the part that is not rigid has at most one cell per five vertices
 /// @param of      out: the cell of each vertex of the region

@@ -97,9 +97,10 @@ double CellPose::constrain(const GroupPaths& paths) {
 void CellPose::follow(const GroupPaths& paths) {
   if (paths.rotations() != group_rotations_) {
     turns_.setZero();
-    for (std::size_t g = 0; g < group_rotations_.size(); ++g) {
+    for (std::size_t k = 0; k < system_.groups().size(); ++k) {
+      const int g = system_.groups()[k];
       const Matrix3 by = paths.rotations()[g] * group_rotations_[g].transpose();
-      turns_.noalias() += system_.follow().col(static_cast<Eigen::Index>(g)) * eighth(by).transpose();
+      turns_.noalias() += system_.follow().col(static_cast<Eigen::Index>(k)) * eighth(by).transpose();
     }
     for (int c = 0; c < cells_.count(); ++c) {  // by (1 + v)^4 / |1 + v|^4, a quaternion
       const double v = turns_.row(c).squaredNorm(), unit = 1 / ((1 + v) * (1 + v)), along = 4 * (1 - v) * unit;

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lapedit/cells/cell_packing.h"
 #include "lapedit/deform/laplacian_system.h"
 #include "lapedit/deform/membrane.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
@@ -169,9 +171,17 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   for (const Held& held : held_) {
     squared_weights[held.cell] += held.weight;
   }
-  make_follow(cells, 1 + *std::max_element(region.group.begin(), region.group.end()), squared_weights);
-  find_loose(cells, region.max_distance, squared_weights);
-  follow_ *= widths(region, rest, cells, static_cast<int>(follow_.cols())).asDiagonal();
+  const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
+  groups_ = groups_with_cells(region);
+  make_follow(cells, squared_weights);
+  loose_.assign(m, -1);
+  if (static_cast<int>(groups_.size()) == groups) {  // otherwise there is a constraint in nearly every cell
+    find_loose(cells, region.max_distance, squared_weights);
+  }
+  const Eigen::VectorXd wide = widths(region, rest, cells, groups);
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    follow_.col(static_cast<Eigen::Index>(k)) *= wide[groups_[k]];
+  }
   Triplets entries;
   for (int c = 0; c < m; ++c) {
     entries.emplace_back(c, c, anchored[c]);
@@ -191,10 +201,13 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
 
 /// Solves (L + D W^2) phi_g = D W_g^2. Positive off-diagonal entries of L are set to 0 and its diagonal is recomputed,
 /// so the matrix is positive definite for all operators.
-void CoarseSystem::make_follow(const RegionCells& cells, int groups, const Eigen::VectorXd& squared_weights) {
+void CoarseSystem::make_follow(const RegionCells& cells, const Eigen::VectorXd& squared_weights) {
+  const auto groups = static_cast<int>(groups_.size());
   follow_.setZero(cells.count(), groups);
   for (const Held& one : held_) {
-    follow_(one.cell, one.group) += cells.weight[one.cell] * one.weight;
+    if (const int k = index_in(groups_, one.group); k >= 0) {
+      follow_(one.cell, k) += cells.weight[one.cell] * one.weight;
+    }
   }
   SparseMatrix matrix = Eigen::Map<const Eigen::VectorXd>(cells.weight.data(), cells.count()).asDiagonal() * operator_;
   for (int c = 0; c < cells.count(); ++c) {

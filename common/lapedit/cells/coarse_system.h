@@ -38,7 +38,9 @@ class CoarseSystem {
 
   const std::vector<Held>& held() const { return held_; }
 
-  /// Returns how much each cell follows each group, cells x groups: 1 on the group, 0 on others and anchors, and
+  /// Returns the groups with cells of their own. The others are too small to rotate the cells around them.
+  const std::vector<int>& groups() const { return groups_; }
+  /// Returns how much each cell follows each of groups(), cells x groups: 1 on the group, 0 on others and anchors, and
   /// harmonic along the surface between them.
   const Eigen::MatrixXd& follow() const { return follow_; }
   /// Returns for each cell the number of its loose part, or -1. No forces pass through such a part, so it rotates as
@@ -59,12 +61,13 @@ class CoarseSystem {
   void hold_handles(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
                     double handle_weight);
   void make_normal(const Region& region, const Points& rest, const RegionCells& cells, const EditSettings& settings);
-  void make_follow(const RegionCells& cells, int groups, const Eigen::VectorXd& squared_weights);
+  void make_follow(const RegionCells& cells, const Eigen::VectorXd& squared_weights);
   void find_loose(const RegionCells& cells, double size, const Eigen::VectorXd& squared_weights);
 
   SparseMatrix operator_;           // M
   Eigen::VectorXd rows_, stretch_;  // N, c D
   std::vector<Held> held_;
+  std::vector<int> groups_;
   Eigen::MatrixXd follow_;
   std::vector<int> loose_;
   std::unique_ptr<SparseCholesky> normal_;

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/deform/matrix_averages.h"
@@ -108,16 +110,14 @@ double reduction(const Spread& spread) {
 std::vector<double> wanted_volumes(const LaplacianSystem& system, const EditConstraints& constraints) {
   const Region& region = system.region;
   const GroupPaths& paths = constraints.paths();
-  const std::size_t groups = paths.motions().size();
   // Each group counts as much as all anchors together, whatever its number of vertices. There is one entry per
-  // component and group, and a last one per component for its anchors.
-  std::vector<double> counts(region.anchored.size() * (groups + 1), 0);
-  const auto slot = [&](int i) {
-    const std::size_t group = region.group[i] >= 0 ? static_cast<std::size_t>(region.group[i]) : groups;
-    return static_cast<std::size_t>(region.component[i]) * (groups + 1) + group;
-  };
+  // component and group in it, and one per component for its anchors, whose group is -1.
+  std::map<std::pair<int, int>, double> counts;
+  const auto slot = [&](int i) { return std::pair(region.component[i], region.group[i]); };
   for (int i = 0; i < region.size(); ++i) {
-    counts[slot(i)] += region.classes[i] != VertexClass::Free ? 1 : 0;
+    if (region.classes[i] != VertexClass::Free) {
+      counts[slot(i)] += 1;
+    }
   }
   std::vector<SpreadSums> sums(region.anchored.size());
   std::vector<double> wanted(region.anchored.size(), 1);

@@ -27,6 +27,7 @@ GroupPaths::GroupPaths(const Region& region, const Points& rest, const Vector3& 
       origin_(origin),
       groups_(1 + *std::max_element(region.group.begin(), region.group.end())),
       index_(region.size(), -1),
+      held_(region.anchored.size()),
       motions_(groups_.size()),
       rigid_motions_(region.anchored.size()),
       rotations_(groups_.size()),
@@ -45,6 +46,11 @@ GroupPaths::GroupPaths(const Region& region, const Points& rest, const Vector3& 
     std::sort(group.components.begin(), group.components.end());
     group.components.erase(std::unique(group.components.begin(), group.components.end()), group.components.end());
     group.centre /= static_cast<double>(std::max<std::size_t>(group.vertices.size(), 1));
+    for (const int i : group.vertices) {
+      if (!region.anchored[region.component[i]]) {
+        held_[region.component[i]].push_back(i);
+      }
+    }
   }
   find_hanging();
 }
@@ -271,13 +277,9 @@ void GroupPaths::rotate_hanging(std::vector<Matrix3>& rotations) const {
 /// Weights vertices by their squared weights, as in the equations.
 LocalMotion GroupPaths::best_fit(int component) const {
   const auto for_vertices = [&](const auto& body) {
-    for (const Group& group : groups_) {
-      for (const int i : group.vertices) {
-        if (region_.component[i] == component) {
-          const double weight = region_.weight(i);
-          body(weight * weight, rest_.row(i).transpose(), displacement(i));
-        }
-      }
+    for (const int i : held_[component]) {
+      const double weight = region_.weight(i);
+      body(weight * weight, rest_.row(i).transpose(), displacement(i));
     }
   };
   double count = 0;

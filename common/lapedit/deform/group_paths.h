@@ -78,9 +78,10 @@ class GroupPaths {
   const Points& rest_;
   Vector3 origin_;
   std::vector<Group> groups_;
-  std::vector<int> index_;       // of a handle vertex in its group; of the group for a hanging vertex
-  std::vector<int> hanging_;     // ascending
-  std::vector<int> unanchored_;  // the other vertices of components without anchors, ascending
+  std::vector<int> index_;              // of a handle vertex in its group; of the group for a hanging vertex
+  std::vector<int> hanging_;            // ascending
+  std::vector<std::vector<int>> held_;  // per component without anchors: its handle vertices, by groups
+  std::vector<int> unanchored_;         // the other vertices of components without anchors, ascending
   LocalMotion anchors_;
   std::vector<LocalMotion> motions_, rigid_motions_;
   std::vector<Matrix3> rotations_, rigid_rotations_;
