@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+#include <string>
+
 #include "shapes.h"
 #include "support.h"
 
@@ -81,6 +84,33 @@ TEST(LaplacianSystem, OnlyWhatFitsIsShared) {
   const System plain = next([](EditSettings& s) { s.method = EditMethod::Linear; });
   EXPECT_EQ(plain->kernel, nullptr);
   EXPECT_EQ(plain->matrix, first->matrix);
+}
+
+/// A disc of a CAD program at the end of a tube. Its middle has the square of its neighbours in the matrix of order 2.
+TEST(LaplacianSystem, FanTakesMemoryOfItsSizeOrIsRefused) {
+  constexpr int kAround = 4000;
+  TriangleMesh mesh = support::open_tube(kAround, 3, 0.2);
+  const auto hub = static_cast<int>(mesh.vertices.rows());
+  mesh.vertices.conservativeResize(hub + 1, 3);
+  mesh.vertices.row(hub).setZero();
+  const Eigen::Index faces = mesh.faces.rows();
+  mesh.faces.conservativeResize(faces + kAround, 3);
+  for (int k = 0; k < kAround; ++k) {
+    mesh.faces.row(faces + k) << hub, (k + 1) % kAround, k;
+  }
+  std::vector<int> rim(kAround);
+  std::iota(rim.begin(), rim.end(), 2 * kAround);
+  const Region region = support::whole_region(mesh, {{7}}, rim);
+  for (const EditMethod method : {EditMethod::Default, EditMethod::Linear}) {
+    const System system = prepared(mesh, region, EditSettings::of(method));
+    EXPECT_EQ(system->matrix->long_rows.size(), 1U);
+    EXPECT_LT(system->matrix->cholesky.factor_nonzeros(), 100U * hub) << name(method);
+  }
+  EditSettings second;
+  second.order = 2;
+  const std::string refusal =
+      support::expect_refusal(ErrorCause::BadParameter, [&] { prepared(mesh, region, second); });
+  support::expect_contains(refusal, "Vertex " + std::to_string(hub) + " has 4000 neighbours");
 }
 
 }  // namespace

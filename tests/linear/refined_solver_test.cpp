@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <random>
+#include <utility>
 
 #include "lapedit/base/error.h"
 #include "linear/operators.h"
@@ -17,14 +18,14 @@ const std::vector<double> kWeights = {100, 1, 25, 4};
 
 /// M of a tube that is held along some of its lines, and M^T M + W^2 with and without some rows of W.
 struct Problem {
-  support::Graph graph = support::surface(support::Surface::Tube, 12, 20);
+  support::Graph graph;
   std::shared_ptr<ThreadPool> pool = std::make_shared<ThreadPool>(2);
   std::shared_ptr<const OperatorRows> m = std::make_shared<const OperatorRows>(support::laplacian(graph).matrix);
   Eigen::VectorXd known = Eigen::VectorXd::Zero(graph.size()), all;
   Points right;
   Eigen::MatrixXd dense, dense_known;
 
-  Problem() {
+  explicit Problem(support::Graph of = support::surface(support::Surface::Tube, 12, 20)) : graph(std::move(of)) {
     known.head(24).setConstant(9);
     all = known;
     for (std::size_t c = 0; c < kRows.size(); ++c) {
@@ -89,6 +90,40 @@ TEST(RefinedSolver, CorrectedFactorGivesTheBitsOfAFactorThatKnowsAllRows) {
   EXPECT_TRUE(support::same_bits(with, without));
   EXPECT_LT(steps, 8) << "a wrong correction is a slow one";
   EXPECT_LT((with - p.dense.ldlt().solve(p.right)).norm(), 1e-10 * with.norm());
+}
+
+/// The middle of a fan: the square of its neighbours' number is neither in the matrix nor in the factor.
+TEST(RefinedSolver, LongRowIsCorrectedInsteadOfFactored) {
+  support::Graph wheel =
+      together(support::surface(support::Surface::Tube, kLongRow + 100, 1), support::lone_vertices(1));
+  const int hub = wheel.size() - 1;
+  for (int v = 0; v < hub; ++v) {
+    wheel.edges.emplace_back(v, hub);
+  }
+  Problem p(wheel);
+  EXPECT_EQ(p.m->long_rows(), std::vector<int>{hub});
+  EXPECT_LT(p.m->normal_matrix(p.known, *p.pool, {hub}).nonZeros(), 8 * hub);
+  EXPECT_GT(p.m->normal_matrix(p.known, *p.pool).nonZeros(), hub * hub / 2);
+  for (const bool stretched : {false, true}) {
+    const support::TestOperator op = support::laplacian(wheel, true);
+    const Eigen::VectorXd stretch = stretched ? Eigen::VectorXd(0.02 * op.sums) : Eigen::VectorXd();
+    p.m = std::make_shared<const OperatorRows>(op.matrix, stretch);
+    const Eigen::MatrixXd m = op.matrix;
+    Eigen::MatrixXd dense = m.transpose() * m;
+    if (stretched) {
+      dense += stretch.asDiagonal() * m;
+    }
+    dense.diagonal() += p.all;
+    const Points expected = dense.ldlt().solve(p.right);
+    for (const bool single : {false, true}) {
+      const auto known = p.factored(p.known, single);
+      EXPECT_LT(known->cholesky.factor_nonzeros(), 40U * hub);
+      RefinedSolver solver(known, p.correction(known), p.pool);
+      Points found;
+      EXPECT_LT(solver.refine_to_the_bit(p.right, found).steps, 8);
+      EXPECT_LT((found - expected).norm(), 1e-11 * expected.norm()) << stretched << single;
+    }
+  }
 }
 
 /// Solutions of M^T M + stretch M + W^2, refined with all that belongs to the matrix. Fails if a residual, in double or

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/format_text.h"
 #include "lapedit/base/thread_pool.h"
 
 namespace lapedit {
@@ -315,6 +317,30 @@ SparseMatrix power(const SparseMatrix& matrix, int order) {
     result = product(result, matrix);
   }
   return result;
+}
+
+void refuse_fans(const Region& region, int order, int longest) {
+  constexpr int kFan = 256;                            // neighbours
+  constexpr double kMost = 1e7, kMostPerVertex = 300;  // entries; each takes some 45 bytes, with the factor
+  double entries = 0;
+  int largest = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    const double count = region.neighbours[i].size();
+    if (count > kFan) {
+      entries += count > longest ? region.size() : count * count * order * order;
+      largest = count > region.neighbours[largest].size() ? i : largest;
+    }
+  }
+  if (entries > kMost + kMostPerVertex * region.size()) {
+    const int vertex = region.mesh_vertex[largest];
+    throw EditError(ErrorCause::BadParameter,
+                    "Vertex " + std::to_string(vertex) + " has " + std::to_string(region.neighbours[largest].size()) +
+                        " neighbours. With such fans of triangles the equations of order " + std::to_string(order) +
+                        " have about " + number_text(entries) +
+                        " entries, which is too much memory: " + (order > 1 ? "use order 1, " : "") +
+                        "remesh the fans (in MeshLab: Isotropic Explicit Remeshing), or give a region without them.",
+                    vertex);
+  }
 }
 
 }  // namespace lapedit

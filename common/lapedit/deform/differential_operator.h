@@ -60,4 +60,10 @@ DifferentialOperator differential_operator(LaplacianKind kind, const Region& reg
 /// Returns M^k. @throws EditError (BadParameter) unless order is 1, 2 or 3
 SparseMatrix power(const SparseMatrix& matrix, int order);
 
+/// Refuses vertices with so many neighbours that the normal matrix, whose entries are estimated, would take most of the
+/// memory: that of order 1 has the square of their number. O(vertices)
+/// @param longest  vertices with more neighbours have one vector only, see FactoredNormalMatrix
+/// @throws EditError (BadParameter)
+void refuse_fans(const Region& region, int order, int longest);
+
 }  // namespace lapedit

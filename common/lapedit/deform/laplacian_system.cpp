@@ -63,6 +63,7 @@ class Preparation {
 /// Computes M (Lipman et al. 2004, section 3), M^k with its membrane, and delta = M p.
 void Preparation::make_operator(const TriangleMesh& mesh) {
   const EditSettings& settings = s_.settings;
+  refuse_fans(s_.region, settings.order, settings.order == 1 ? kLongRow : std::numeric_limits<int>::max());
   const bool membrane = settings.membrane > 0;
   const bool same = previous_ && previous_->settings.laplacian == settings.laplacian &&
                     previous_->settings.order == settings.order && previous_->settings.membrane == settings.membrane &&
@@ -257,7 +258,7 @@ bool Preparation::same_handles() const {
 bool Preparation::make_sure() {
   RefinedSolver solver(s_.matrix, nullptr, s_.pool);
   const int most_steps = s_.matrix->cholesky.single_precision() ? kMostForSingle : std::numeric_limits<int>::max();
-  if (!kept_out_.rows.empty()) {
+  if (!kept_out_.rows.empty() || !s_.matrix->long_rows.empty()) {
     auto found =
         woodbury_correction(solver, s_.region.size(), kept_out_.rows, kept_out_.weights, kAccurate, most_steps);
     s_.correction = found ? std::make_shared<const WoodburyCorrection>(std::move(*found)) : nullptr;

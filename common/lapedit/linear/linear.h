@@ -15,6 +15,10 @@
 
 namespace lapedit {
 
+/// A row of k entries, as of a vertex in the middle of a fan, has k^2 in the normal matrix. So a factor omits a few
+/// rows that are longer than this, see WoodburyCorrection.
+constexpr int kLongRow = 1000, kMostLongRows = 300;
+
 /// An operator M over a region, stored by rows and by columns, so that products with M and M^T are sums over
 /// neighbours, on several threads and with the same bits for any number of them.
 class OperatorRows {
@@ -35,7 +39,12 @@ class OperatorRows {
 
   /// Returns the lower half of M^T M + diag(stretch) M + diag(diagonal), compressed and sorted: symmetric, and positive
   /// semidefinite if the diagonals are not negative. O(sum of squared row lengths).
-  SparseMatrix normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const;
+  /// @param without  rows that M^T M is computed without
+  SparseMatrix normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool,
+                             const std::vector<int>& without = {}) const;
+
+  /// Returns the rows with more than kLongRow entries, ascending; none if there are more than kMostLongRows.
+  std::vector<int> long_rows() const;
 
   /// Returns M by columns, with diag(stretch) added: its columns are the rows of M^T + diag(stretch). Valid as long as
   /// this object.
@@ -124,10 +133,11 @@ struct Refinement {
 };
 
 /// The matrix of the paper's normal equations (section 7) with its Cholesky factor: A0 = M^T M + W0^2, symmetric
-/// positive definite. With a stretch, OperatorRows adds diag(stretch) M. Immutable, so any number of solvers can share
-/// it.
+/// positive definite. M^T M is without the long rows of M. With a stretch, OperatorRows adds diag(stretch) M.
+/// Immutable, so any number of solvers can share it.
 struct FactoredNormalMatrix {
   std::shared_ptr<const OperatorRows> m;
+  std::vector<int> long_rows;       ///< of m
   Eigen::VectorXd squared_weights;  ///< the diagonal of W0^2, n
   double norm = 0;                  ///< largest sum of absolute values in a row of A0
   SparseCholesky cholesky;          ///< each solver solves with a copy of its own
@@ -143,12 +153,13 @@ struct FactoredNormalMatrix {
 ///     x = y + Z K (W^-2 b_h - y_h)
 ///
 /// where y solves A0 y = b with b_h replaced by zero. Targets at h enter the correction directly, since solving for
-/// them without these rows would give large numbers that cancel. Empty without rows.
+/// them without these rows would give large numbers that cancel. The long rows m of M are further columns m^T of E,
+/// with weight 1 and without a target. Empty without rows.
 struct WoodburyCorrection {
   std::vector<int> rows;
   std::vector<double> weights;  ///< w^2 of each
-  Eigen::MatrixXd z;            ///< n x rows
-  Eigen::MatrixXd k;            ///< rows x rows
+  Eigen::MatrixXd z;            ///< n x columns of E
+  Eigen::MatrixXd k;            ///< square
 };
 
 /// Solves A x = b, A = A0 + E W^2 E^T, by iterative refinement with the factor of A0 and the correction. The residual
@@ -185,6 +196,7 @@ class RefinedSolver {
   double relative_residual(const Points& right, const Points& x) const;
 
   SparseCholesky& cholesky() { return cholesky_; }  ///< of A0
+  const FactoredNormalMatrix& matrix() const { return *matrix_; }
 
  private:
   class System;
@@ -199,7 +211,7 @@ class RefinedSolver {
   std::unique_ptr<Scratch> scratch_;
 };
 
-/// Computes the correction for rows that have no weight in A0.
+/// Computes the correction for rows that have no weight in A0, and for long rows.
 /// @param a0  a solver without a correction
 /// @return    null if a column of Z does not reach `accurate` in `most_steps` steps
 /// Cost: a refined solution per three rows.

@@ -63,10 +63,25 @@ void OperatorRows::apply_transposed(const Points& x, Points& out, ThreadPool& po
   multiply(matrix(), x, out, pool);
 }
 
+std::vector<int> OperatorRows::long_rows() const {
+  std::vector<int> found;
+  for (int row = 0; row < rows_.rows(); ++row) {
+    if (rows_.outerIndexPtr()[row + 1] - rows_.outerIndexPtr()[row] > kLongRow) {
+      found.push_back(row);
+    }
+  }
+  return found.size() > kMostLongRows ? std::vector<int>() : found;
+}
+
 /// Computes (M^T M)_ij = sum over rows r of m_ri m_rj, for i >= j: column j is the sum of the rows of its entries, each
 /// scaled by the entry.
-SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool) const {
+SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool,
+                                         const std::vector<int>& without) const {
   const Eigen::Map<const SparseMatrix> columns = matrix();
+  std::vector<char> is_without(static_cast<std::size_t>(rows_.rows()), 0);
+  for (const int row : without) {
+    is_without[row] = 1;
+  }
   const int n = static_cast<int>(columns.cols());
   struct Piece {
     std::vector<int> inner;
@@ -94,7 +109,13 @@ SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, Thread
       sums[j] = diagonal[j];
       for (int c = columns.outerIndexPtr()[j]; c < columns.outerIndexPtr()[j + 1]; ++c) {
         const int row = columns.innerIndexPtr()[c];
-        const double factor = columns.valuePtr()[c];
+        double factor = columns.valuePtr()[c];
+        if (is_without[row] != 0) {
+          if (row != j) {
+            continue;
+          }
+          factor -= rows_.coeff(j, j);  // leaves the stretch
+        }
         for (int r = rows_.outerIndexPtr()[row + 1] - 1; r >= rows_.outerIndexPtr()[row]; --r) {
           const int i = rows_.innerIndexPtr()[r];
           if (i < j) {

@@ -43,13 +43,34 @@ const SparseMatrix& measured(const SparseMatrix& matrix, double& norm) {
   return matrix;
 }
 
+/// Calls use(j, m_vj) for the entries of a row of M.
+template <class Use>
+void each_entry(const OperatorRows& m, int row, const Use& use) {
+  for (OperatorRows::Rows::InnerIterator entry(m.rows(), row); entry; ++entry) {
+    use(entry.col(), entry.value());
+  }
+}
+
+/// Computes row c of E^T x, see WoodburyCorrection.
+template <class X, class Row>
+void take_row(const FactoredNormalMatrix& matrix, const std::vector<int>& rows, std::size_t c, const X& x, Row&& out) {
+  if (c < rows.size()) {
+    out = x.row(rows[c]);
+  } else {
+    out.setZero();
+    each_entry(*matrix.m, matrix.long_rows[c - rows.size()],
+               [&](Eigen::Index j, double value) { out += value * x.row(j); });
+  }
+}
+
 }  // namespace
 
 FactoredNormalMatrix::FactoredNormalMatrix(std::shared_ptr<const OperatorRows> op, Eigen::VectorXd weights,
                                            const CholeskyOptions& options)
     : m(std::move(op)),
+      long_rows(m->long_rows()),
       squared_weights(std::move(weights)),
-      cholesky(measured(m->normal_matrix(squared_weights, *options.pool), norm), options) {}
+      cholesky(measured(m->normal_matrix(squared_weights, *options.pool, long_rows), norm), options) {}
 
 struct RefinedSolver::Scratch {
   Points residual, step, at_rows, corrected;
@@ -64,7 +85,7 @@ RefinedSolver::RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
       cholesky_(matrix_->cholesky, pool_),
       squared_weights_(matrix_->squared_weights),
       scratch_(std::make_unique<Scratch>()) {
-  scratch_->at_rows.resize(static_cast<Eigen::Index>(correction_->rows.size()), 3);
+  scratch_->at_rows.resize(correction_->k.rows(), 3);
   for (std::size_t c = 0; c < correction_->rows.size(); ++c) {
     squared_weights_[correction_->rows[c]] = correction_->weights[c];
   }
@@ -97,6 +118,9 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
   double last = 1;
   for (int count = 0;; ++count) {
     normal_product(*matrix_->m, matrix_->squared_weights, x, between, residual, *pool_);
+    for (const int row : matrix_->long_rows) {
+      each_entry(*matrix_->m, row, [&](Eigen::Index j, double value) { residual.row(j) -= value * between.row(row); });
+    }
     residual = right - residual;
     cholesky_.solve(residual, step);
     const double change = largest_row(step) / largest_row(x);
@@ -114,12 +138,12 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
   }
 }
 
-/// Computes x = A^-1 b to the precision of the factor A0 by the Woodbury formula: x = y + Z K (W^-2 b_h - y_h). Here y
-/// solves A0 y = b without b_h, the rows of b whose constraints the factor omits.
+/// Computes x = A^-1 b to the precision of the factor A0 by the Woodbury formula: x = y + Z K (W^-2 b_h - E^T y), where
+/// b_h is 0 for long rows. Here y solves A0 y = b without b_h, the rows of b whose constraints the factor omits.
 void RefinedSolver::solve(Points& right, Points& x) {
   const WoodburyCorrection& add = *correction_;
   Points &at_rows = scratch_->at_rows, &corrected = scratch_->corrected;
-  if (add.rows.empty()) {
+  if (add.z.cols() == 0) {
     cholesky_.solve(right, x);
     return;
   }
@@ -132,6 +156,10 @@ void RefinedSolver::solve(Points& right, Points& x) {
     const auto row = static_cast<Eigen::Index>(c);
     right.row(add.rows[c]) = at_rows.row(row);
     at_rows.row(row) = at_rows.row(row) / add.weights[c] - x.row(add.rows[c]);
+  }
+  for (auto c = static_cast<Eigen::Index>(add.rows.size()); c < at_rows.rows(); ++c) {
+    take_row(*matrix_, add.rows, static_cast<std::size_t>(c), x, at_rows.row(c));
+    at_rows.row(c) *= -1;
   }
   corrected = add.k.lazyProduct(at_rows);
   constexpr int kGrain = 4096;
@@ -184,7 +212,9 @@ double RefinedSolver::relative_residual(const Points& right, const Points& x) co
 std::optional<WoodburyCorrection> woodbury_correction(RefinedSolver& a0, Eigen::Index size, std::vector<int> rows,
                                                       std::vector<double> squared_weights, double accurate,
                                                       int most_steps) {
-  const auto count = static_cast<Eigen::Index>(rows.size());
+  const FactoredNormalMatrix& matrix = a0.matrix();
+  const std::size_t given = rows.size();
+  const auto count = static_cast<Eigen::Index>(given + matrix.long_rows.size());
   WoodburyCorrection made;
   made.rows = std::move(rows);
   made.weights = std::move(squared_weights);
@@ -195,7 +225,11 @@ std::optional<WoodburyCorrection> woodbury_correction(RefinedSolver& a0, Eigen::
     const Eigen::Index columns = std::min<Eigen::Index>(3, count - first);
     right.setZero(size, 3);
     for (Eigen::Index c = 0; c < columns; ++c) {
-      right(made.rows[first + c], c) = 1;
+      if (const auto at = static_cast<std::size_t>(first + c); at < given) {
+        right(made.rows[at], c) = 1;
+      } else {
+        each_entry(*matrix.m, matrix.long_rows[at - given], [&](Eigen::Index j, double value) { right(j, c) = value; });
+      }
     }
     const int steps = a0.refine_to(right, found, accurate);
     if (steps < 0 || steps > most_steps) {
@@ -206,8 +240,9 @@ std::optional<WoodburyCorrection> woodbury_correction(RefinedSolver& a0, Eigen::
   // K = (W^-2 + E^T Z)^-1
   Eigen::MatrixXd small(count, count);
   for (Eigen::Index c = 0; c < count; ++c) {
-    small.row(c) = made.z.row(made.rows[c]);
-    small(c, c) += 1 / made.weights[c];
+    const auto at = static_cast<std::size_t>(c);
+    take_row(matrix, made.rows, at, made.z, small.row(c));
+    small(c, c) += at < given ? 1 / made.weights[at] : 1;
   }
   made.k = small.llt().solve(Eigen::MatrixXd::Identity(count, count));
   return made;
