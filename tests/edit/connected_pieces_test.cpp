@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/edit/edit.h"
 #include "lapedit/edit/step_solver.h"
+#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
 #include "support.h"
@@ -291,6 +294,47 @@ TEST(ConnectedPieces, SeamWithinAPieceStaysClosed) {
     EXPECT_GT(crack(0), 0.3);
     EXPECT_LT(crack(1e-6), 0.001);
     EXPECT_LT(crack(1.3), 0.001) << "longer than an edge";
+  }
+}
+
+/// A closed pipe wall in one piece, of radius 6 and thickness 0.3, bent by 90 degrees.
+TriangleMesh bent_pipe() {
+  constexpr int kAround = 40, kAlong = 24;
+  constexpr double kRadius = 6, kThickness = 0.3, kBend = 16, kRightAngle = 1.5707963267948966;
+  TriangleMesh mesh{Points(2 * kAround * kAlong, 3), Faces(4 * kAround * kAlong, 3)};
+  for (int i = 0; i < 2 * kAlong; ++i) {
+    const bool outside = i < kAlong;
+    const double bend = kRightAngle * (outside ? i : 2 * kAlong - 1 - i) / (kAlong - 1);
+    for (int j = 0; j < kAround; ++j) {
+      const double angle = 4 * kRightAngle * j / kAround, radius = outside ? kRadius : kRadius - kThickness;
+      const double from_axis = kBend + radius * std::cos(angle);
+      mesh.vertices.row(i * kAround + j) << from_axis * std::cos(bend), from_axis * std::sin(bend),
+          radius * std::sin(angle);
+      const int a = i * kAround + j, b = i * kAround + (j + 1) % kAround;
+      const int c = (a + kAround) % (2 * kAround * kAlong), d = (b + kAround) % (2 * kAround * kAlong);
+      mesh.faces.row(2 * a) << a, b, d;
+      mesh.faces.row(2 * a + 1) << a, d, c;
+    }
+  }
+  return mesh;
+}
+
+TEST(ConnectedPieces, ClosedWallKeepsItsThickness) {
+  TriangleMesh plate = shapes::bar(20, 20, 1);
+  plate.vertices.col(2) *= 0.2;
+  const TriangleMesh pipe = bent_pipe();
+  EditStep step;
+  step.region.connect_gap = 0.4;
+  const double slant = std::sqrt(0.5);
+  for (const auto& [mesh, point, normal] : {std::tuple(plate, Vector3(10, 10, 0.2), Vector3(0, 0, 1)),
+                                            std::tuple(pipe, Vector3(22 * slant, 22 * slant, 0), Vector3(1, 1, 0))}) {
+    step.region.radius = 8;
+    step.handles = {{vertices_within(mesh, support::adjacency_of(mesh), nearest_vertex(mesh, point), 1.5), {}}};
+    for (const double pull : {3.0, -3.0}) {
+      step.handles.front().transform.translation = pull * normal.normalized();
+      const Points after = support::edited(mesh, support::apply_step(mesh, step));
+      EXPECT_LT(change_of_links(mesh, step, after), 0.1) << mesh.vertices.rows() << " vertices, pull " << pull;
+    }
   }
 }
 

@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <tuple>
+
+#include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/patch_border.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -56,6 +62,139 @@ TEST(Connect, LinksNearestVerticesOfDifferentPiecesWithinTheGap) {
   EXPECT_EQ(connected_components(linked, labels), 1);
 }
 
+/// A tube that was cut open, with `around` columns, and a gap at the seam.
+TriangleMesh cut_tube(int around) {
+  TriangleMesh mesh = shapes::grid(20, around);
+  for (auto p : mesh.vertices.rowwise()) {
+    const double angle = 6.1 * p[0] / (around - 1);
+    p = Eigen::RowVector3d(std::cos(angle), std::sin(angle), 0.15 * p[1]);
+  }
+  return mesh;
+}
+
+std::vector<std::pair<int, int>> sorted(std::vector<std::pair<int, int>> links) {
+  std::sort(links.begin(), links.end());
+  links.erase(std::unique(links.begin(), links.end()), links.end());
+  return links;
+}
+
+/// Links of each vertex as defined, by looking at all pairs. @return sorted, both directions
+std::vector<std::pair<int, int>> links_of_all_pairs(const TriangleMesh& mesh, const IndexLists& neighbours,
+                                                    double gap) {
+  std::vector<int> labels;
+  connected_components(neighbours, labels);
+  std::vector<char> is_border(labels.size(), 0);
+  for (const auto& [a, b] : single_edges({mesh.faces.data(), mesh.faces.data() + mesh.faces.size()})) {
+    is_border[a] = is_border[b] = 1;
+  }
+  GeodesicSearch search({neighbours, mesh.vertices});
+  std::map<int, std::vector<std::tuple<double, int>>> into;
+  for (int v = 0; v < neighbours.rows(); ++v) {
+    if (is_border[v]) {
+      search.run({v}, kUnreached);
+    }
+    std::tuple<double, int> best(kUnreached, -1);
+    for (int w = 0; w < neighbours.rows(); ++w) {
+      const double length = (mesh.vertices.row(v) - mesh.vertices.row(w)).norm();
+      const bool is_far = is_border[v] && is_border[w] && v != w && search.distance(w) > 3 * length &&
+                          !std::binary_search(neighbours[v].begin(), neighbours[v].end(), w);
+      if (length <= gap && (labels[v] != labels[w] || is_far)) {
+        best = std::min(best, {length, w});
+      }
+    }
+    if (std::get<1>(best) >= 0) {
+      into[std::get<1>(best)].emplace_back(std::get<0>(best), v);
+    }
+  }
+  std::vector<std::pair<int, int>> links;
+  for (auto& [to, all] : into) {
+    std::sort(all.begin(), all.end());
+    all.resize(std::min<std::size_t>(all.size(), kMostLinks));
+    for (const auto& [length, from] : all) {
+      links.emplace_back(from, to);
+      links.emplace_back(to, from);
+    }
+  }
+  return sorted(std::move(links));
+}
+
+TEST(Connect, LinksAreThoseOfLookingAtAllPairs) {
+  for (const TriangleMesh& mesh :
+       {ball_in_ball(), cut_tube(60), shapes::together(cut_tube(30), cut_tube(17), Vector3(0.2, 0.1, 0.05)),
+        shapes::together(shapes::two_pieces(2), shapes::icosphere(1), Vector3(1.5, 0.1, 0))}) {
+    const Adjacency adjacency = support::adjacency_of(mesh);
+    for (const double gap : {0.05, 0.25, 1.0, 50.0}) {
+      EXPECT_EQ(links_of(adjacency.neighbours, linked_neighbours(mesh, adjacency.neighbours, gap)),
+                links_of_all_pairs(mesh, adjacency.neighbours, gap))
+          << mesh.vertices.rows() << " vertices, gap " << gap;
+    }
+  }
+}
+
+double pairs_per_vertex(const TriangleMesh& mesh) {
+  std::size_t pairs = 0;
+  linked_neighbours(mesh, support::adjacency_of(mesh).neighbours, 1000, nullptr, &pairs);
+  return static_cast<double>(pairs) / static_cast<double>(mesh.vertices.rows());
+}
+
+TEST(Connect, PairsGrowWithTheVerticesHoweverLongTheGapIs) {
+  constexpr double kMost = 150;
+  for (const int n : {30, 90}) {
+    TriangleMesh triangles{Points::Random(9 * n, 3),
+                           Faces(3 * n, 3)};  // all meet in one point, with vertices of their own
+    for (int f = 0; f < 3 * n; ++f) {
+      triangles.faces.row(f) << 3 * f, 3 * f + 1, 3 * f + 2;
+      triangles.vertices.row(3 * f).setZero();
+    }
+    EXPECT_LT(pairs_per_vertex(triangles), kMost) << n;
+    EXPECT_LT(pairs_per_vertex(shapes::grid(n, n)), 8 * kMost) << n;
+    EXPECT_LT(pairs_per_vertex(shapes::together(shapes::grid(n, n), shapes::grid(n, n), Vector3(0, 0, 3 * n))),
+              8 * kMost)
+        << n;
+  }
+  for (const int levels : {3, 4}) {
+    EXPECT_LT(pairs_per_vertex(shapes::two_pieces(levels)), kMost) << levels;
+    TriangleMesh small = shapes::icosphere(levels);
+    small.vertices *= 1e-6;
+    EXPECT_LT(pairs_per_vertex(shapes::together(shapes::icosphere(levels), small, Vector3::Zero())), 8 * kMost)
+        << levels;
+  }
+}
+
+std::vector<std::pair<int, int>> links_at(const TriangleMesh& mesh, double gap) {
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  return links_of(adjacency.neighbours, linked_neighbours(mesh, adjacency.neighbours, gap));
+}
+
+TEST(Connect, LinksTheSidesOfAClosedWall) {
+  constexpr int kCells = 20;
+  TriangleMesh plate = shapes::bar(kCells, kCells, 1);
+  plate.vertices.col(2) *= 0.2;
+  const auto links = links_at(plate, 0.3);
+  EXPECT_EQ(links.size(), 2U * (kCells - 1) * (kCells - 1)) << "all but those at its rim";
+  for (const auto& [v, w] : links) {
+    EXPECT_NEAR((plate.vertices.row(v) - plate.vertices.row(w)).norm(), 0.2, 1e-12);
+  }
+  EXPECT_TRUE(links_at(plate, 0.1).empty()) << "thicker than the gap";
+  TriangleMesh inverted = plate;
+  inverted.faces.col(0).swap(inverted.faces.col(1));
+  EXPECT_EQ(links_at(inverted, 0.3), links);
+  const std::vector<int> numbers = support::shuffled(static_cast<int>(plate.vertices.rows()), 1);
+  std::vector<std::pair<int, int>> renumbered = links;
+  for (auto& [v, w] : renumbered) {
+    v = numbers[v];
+    w = numbers[w];
+  }
+  EXPECT_EQ(links_at(support::renumbered(plate, numbers, 2), 0.3), sorted(renumbered));
+}
+
+TEST(Connect, LinksNoSidesOfBallsAndLimbs) {
+  for (const TriangleMesh& body :
+       {shapes::icosphere(3), shapes::cylinder(24, 30), shapes::bar(30, 4, 4), shapes::tapered_arm(24, 60)}) {
+    EXPECT_TRUE(links_at(body, 1000).empty()) << body.vertices.rows() << " vertices";
+  }
+}
+
 TEST(Connect, RegionGoesOnIntoThePieceThatIsNear) {
   const TriangleMesh mesh = ball_in_ball();
   const Adjacency adjacency = support::adjacency_of(mesh);
@@ -74,6 +213,24 @@ TEST(Connect, RegionGoesOnIntoThePieceThatIsNear) {
   }
   for (const auto& face : region.faces.rowwise()) {
     EXPECT_EQ(region.mesh_vertex[face[0]] < 642, region.mesh_vertex[face[1]] < 642);
+  }
+}
+
+TEST(Connect, RegionOfARadiusHasTheLinksOfTheWholeMesh) {
+  const TriangleMesh mesh = ball_in_ball();
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  RegionSpec spec = support::within(0.5);
+  for (const double gap : {0.12, 0.2}) {
+    spec.connect_gap = gap;
+    const IndexLists linked = linked_neighbours(mesh, adjacency.neighbours, gap);
+    const Region region = build_region(mesh, adjacency, spec, {{support::vertex_at(mesh, {0, 0, 1})}});
+    for (int i = 0; i < region.size(); ++i) {
+      std::size_t inside = 0;
+      for (const int w : linked[region.mesh_vertex[i]]) {
+        inside += index_in(region.mesh_vertex, w) >= 0;
+      }
+      EXPECT_EQ(static_cast<std::size_t>(region.neighbours[i].size()), inside) << "vertex " << i;
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "lapedit/mesh/vertex_tree.h"
 #include "support.h"
 
 namespace lapedit::vertex_grid_test {
@@ -26,7 +27,7 @@ int nearest_of_all(const Points& points, const std::vector<int>& vertices, const
 }
 
 /// Clouds, planes, lines and lattices full of ties, from positions inside and far outside, with and without a limit.
-TEST(VertexGrid, FindsWhatLookingAtAllFinds) {
+TEST(VertexGridAndTree, FindWhatLookingAtAllFinds) {
   std::mt19937 random(14);
   std::uniform_real_distribution<double> coordinate(-1, 1);
   for (const Vector3& extent : {Vector3(1, 1, 1), Vector3(5, 1, 0), Vector3(0, 3, 0), Vector3(0, 0, 0)}) {
@@ -42,13 +43,24 @@ TEST(VertexGrid, FindsWhatLookingAtAllFinds) {
         return some;
       }();
       const VertexGrid grid(points, vertices);
+      std::vector<int> labels(500);
+      for (int v = 0; v < 500; ++v) {
+        labels[v] = v % 2;
+      }
+      const VertexTree tree(points, labels, vertices);
       for (int k = 0; k < 300; ++k) {
         const double far = k % 3 == 0 ? 4 : 1;
         Vector3 position(far * coordinate(random), far * coordinate(random), far * coordinate(random));
         position = lattice ? Vector3((2 * position).array().round() / 6) : position;
         EXPECT_EQ(grid.nearest(position), nearest_of_all(points, vertices, position, 1e100, 0));
-        EXPECT_EQ(grid.nearest(position, 0.3, [](int v) { return v % 2 == 1; }),
-                  nearest_of_all(points, vertices, position, 0.3, 1));
+        EXPECT_EQ(grid.nearest(position, 0.3), nearest_of_all(points, vertices, position, 0.3, 0));
+        std::size_t looks = 0;
+        const auto found = tree.nearest(
+            position, 0.09, 0, [](int) { return true; }, looks);
+        EXPECT_EQ(found.vertex, nearest_of_all(points, vertices, position, 0.3, 1));
+        const auto odd = tree.nearest(
+            position, 0.09, VertexTree::kNoLabel, [](int v) { return v % 2 == 1; }, looks);
+        EXPECT_EQ(odd.vertex, found.vertex);
       }
     }
   }

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -11,7 +12,9 @@
 #include "lapedit/base/format_text.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/patch_border.h"
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/surface_measures.h"
+#include "lapedit/mesh/vertex_tree.h"
+#include "lapedit/mesh/visibility.h"
 
 namespace lapedit {
 namespace {
@@ -34,43 +37,56 @@ int largest_label(const std::vector<int>& labels, int count) {
   return static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
 }
 
-/// Finds the nearest vertices that a link may lead to: those of other pieces, and, from a border, those of a border of
-/// the same piece that are near in space but far along the surface.
+/// Finds the nearest vertices that a link may lead to: those of other pieces, from a border those of a border of the
+/// same piece that are near in space but far along the surface, and those on the other side of a wall.
 class LinkSearch {
  public:
   LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, double gap, const std::vector<char>* allowed);
   std::vector<Link> links();
+  std::size_t pairs = 0;  ///< of vertices that links() looked at
 
  private:
   static constexpr double kFar = 3;  // times the distance in space
+  // A border is searched for its own piece as far as this number of vertices goes.
+  static constexpr std::size_t kMostReached = 2048;
 
-  double along_surface(int from, int to);
-  bool leads(int from, int to);
+  void find_walls();
+  VertexTree::Found across_border(int v, const VertexTree& borders, double limit);
+  int across_wall(int v, const VertexTree& tree);
 
+  const TriangleMesh& mesh_;
   const Points& points_;
   const IndexLists& neighbours_;
   double gap_;
-  std::vector<int> labels_, usable_;
-  std::vector<char> is_border_;
-  Eigen::AlignedBox3d box_;  // vertices outside it have no other piece and no border in reach
+  std::vector<int> labels_, usable_, borders_;
+  std::vector<char> is_border_, is_open_;  // per vertex; per label
+  Eigen::AlignedBox3d box_;                // vertices outside it have no other piece and no border in reach
   GeodesicSearch search_;
-  int searched_ = -1;
+  TriangleMesh walls_;  // faces of closed pieces in reach
+  std::optional<Visibility> rays_;
+  Points inwards_;  // normals
 };
 
 LinkSearch::LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
                        const std::vector<char>* allowed)
-    : points_(mesh.vertices),
+    : mesh_(mesh),
+      points_(mesh.vertices),
       neighbours_(neighbours),
       gap_(gap),
       is_border_(mesh.vertices.rows(), 0),
       search_(PathGraph(neighbours, mesh.vertices)) {
-  const int largest = largest_label(labels_, connected_components(neighbours, labels_));
+  const int count = connected_components(neighbours, labels_);
+  const int largest = largest_label(labels_, count);
+  is_open_.assign(count, 0);
   for (const auto& [a, b] : single_edges({mesh.faces.data(), mesh.faces.data() + mesh.faces.size()})) {
-    is_border_[a] = is_border_[b] = 1;
+    is_border_[a] = is_border_[b] = is_open_[labels_[a]] = 1;
   }
   for (int v = 0; v < static_cast<int>(points_.rows()); ++v) {
     if (neighbours[v].size() > 0 && (!allowed || (*allowed)[v]) && points_.row(v).allFinite()) {
       usable_.push_back(v);
+      if (is_border_[v]) {
+        borders_.push_back(v);
+      }
       if (labels_[v] != largest || is_border_[v]) {
         box_.extend(points_.row(v).transpose());
       }
@@ -78,35 +94,108 @@ LinkSearch::LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, d
   }
   const Vector3 margin = Vector3::Constant(gap);
   box_ = Eigen::AlignedBox3d(box_.min() - margin, box_.max() + margin);
+  find_walls();
 }
 
-double LinkSearch::along_surface(int from, int to) {
-  if (searched_ != from) {
-    search_.run({from}, kFar * gap_);
-    searched_ = from;
+/// Prepares the search through closed pieces, whose normals point outwards if they enclose a positive volume together.
+void LinkSearch::find_walls() {
+  Eigen::AlignedBox3d reach;
+  for (const int v : usable_) {
+    reach.extend(points_.row(v).transpose());
   }
-  return search_.distance(to);
+  const Vector3 margin = Vector3::Constant(2 * gap_), centre = reach.center();
+  reach = Eigen::AlignedBox3d(reach.min() - margin, reach.max() + margin);
+  double volume = 0;
+  std::vector<int> near;
+  for (int f = 0; f < static_cast<int>(mesh_.faces.rows()); ++f) {
+    const Vector3 a = points_.row(mesh_.faces(f, 0)), b = points_.row(mesh_.faces(f, 1)),
+                  c = points_.row(mesh_.faces(f, 2));
+    const double part = (a - centre).dot((b - a).cross(c - a));
+    if (!is_open_[labels_[mesh_.faces(f, 0)]] && std::isfinite(part)) {
+      volume += part;
+      if (reach.intersects({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)})) {
+        near.push_back(f);
+      }
+    }
+  }
+  if (volume != 0 && !near.empty()) {
+    vertex_normals(points_, mesh_.faces, inwards_);
+    inwards_ *= volume > 0 ? -1 : 1;
+    walls_ = {points_, Faces(static_cast<Eigen::Index>(near.size()), 3)};
+    for (std::size_t k = 0; k < near.size(); ++k) {
+      walls_.faces.row(static_cast<Eigen::Index>(k)) = mesh_.faces.row(near[k]);
+    }
+    rays_.emplace(walls_);
+  }
 }
 
-bool LinkSearch::leads(int from, int to) {
-  if (labels_[from] != labels_[to]) {
-    return true;
+/// Returns the nearest border vertex of the same piece that is far along the surface. @param limit  squared
+VertexTree::Found LinkSearch::across_border(int v, const VertexTree& borders, double limit) {
+  const std::vector<int>& reached = search_.run({v}, kFar * std::sqrt(limit), nullptr, kMostReached);
+  pairs += reached.size();
+  if (reached.size() == kMostReached) {  // vertices that it did not reach are farther along the surface than this
+    const double radius = search_.distance(reached.back()) / kFar;
+    limit = std::min(limit, radius * radius);
   }
-  const IndexLists::Row ring = neighbours_[from];
-  return is_border_[from] && is_border_[to] && from != to && !std::binary_search(ring.begin(), ring.end(), to) &&
-         along_surface(from, to) > kFar * (points_.row(from) - points_.row(to)).norm();
+  const IndexLists::Row ring = neighbours_[v];
+  return borders.nearest(
+      points_.row(v).transpose(), limit, VertexTree::kNoLabel,
+      [&](int w) {
+        return labels_[w] == labels_[v] && w != v && !std::binary_search(ring.begin(), ring.end(), w) &&
+               search_.distance(w) > kFar * (points_.row(v) - points_.row(w)).norm();
+      },
+      pairs);
+}
+
+/// Returns the vertex on the other side of a wall, -1 if there is none: a ray through the inside meets a surface of the
+/// opposite direction, and the wall is at least as wide on each side as it is thick, unlike a limb.
+int LinkSearch::across_wall(int v, const VertexTree& tree) {
+  constexpr double kOpposite = -0.5;
+  const Vector3 position = points_.row(v).transpose(), inwards = inwards_.row(v).transpose();
+  const auto hit = rays_->first_hit({position, inwards}, std::nextafter(gap_, kUnreached), v);
+  if (!hit || labels_[hit->vertex] != labels_[v] || inwards_.row(hit->vertex).dot(inwards) > kOpposite) {
+    return -1;
+  }
+  const double thickness = (hit->point - position).norm();
+  const Vector3 middle = (hit->point + position) / 2;
+  for (const int w : neighbours_[v]) {
+    const Vector3 edge = points_.row(w).transpose() - position;
+    if (rays_->first_hit({middle, (edge - edge.dot(inwards) * inwards).normalized()}, thickness)) {
+      return -1;
+    }
+  }
+  const int to =
+      tree.nearest(
+              hit->point, gap_ * gap_, VertexTree::kNoLabel,
+              [&](int w) { return labels_[w] == labels_[v] && inwards_.row(w).dot(inwards) < kOpposite; }, pairs)
+          .vertex;
+  return to >= 0 && (points_.row(to).transpose() - position).norm() <= gap_ ? to : -1;
 }
 
 std::vector<Link> LinkSearch::links() {
-  const VertexGrid grid(points_, usable_);
+  const VertexTree tree(points_, labels_, usable_), borders(points_, labels_, borders_);
   std::vector<Link> links;
   Checkpoints checkpoints;
+  const auto add = [&](int from, int to) {
+    if (to >= 0) {
+      links.push_back({to, (points_.row(to) - points_.row(from)).norm(), from});
+    }
+  };
+  const auto any = [](int) { return true; };
   for (const int v : usable_) {
     checkpoints();
     const Vector3 position = points_.row(v).transpose();
-    const int to = box_.contains(position) ? grid.nearest(position, gap_, [&](int w) { return leads(v, w); }) : -1;
-    if (to >= 0) {
-      links.push_back({to, (points_.row(to).transpose() - position).norm(), v});
+    if (box_.contains(position)) {
+      VertexTree::Found to = tree.nearest(position, gap_ * gap_, labels_[v], any, pairs);
+      if (is_border_[v]) {
+        const VertexTree::Found own = across_border(v, borders, to.squared);
+        const bool is_nearer = own.squared < to.squared || to.vertex < 0 || own.vertex < to.vertex;
+        to = own.vertex >= 0 && is_nearer ? own : to;
+      }
+      add(v, to.vertex);
+    }
+    if (rays_ && !is_open_[labels_[v]]) {
+      add(v, across_wall(v, tree));
     }
   }
   return links;
@@ -134,13 +223,17 @@ IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<
 }
 
 IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
-                             const std::vector<char>* allowed) {
+                             const std::vector<char>* allowed, std::size_t* pairs) {
   if (!(gap > 0 && std::isfinite(gap))) {
     throw EditError(ErrorCause::BadParameter, "Pieces are to be connected over a gap of " + number_text(gap) +
                                                   ": give a finite length greater than 0, or 0 to connect none.")
         .at("region.connect");
   }
-  std::vector<Link> links = LinkSearch(mesh, neighbours, gap, allowed).links();
+  LinkSearch search(mesh, neighbours, gap, allowed);
+  std::vector<Link> links = search.links();
+  if (pairs) {
+    *pairs = search.pairs;
+  }
   std::sort(links.begin(), links.end());
   std::vector<std::pair<int, int>> entries;
   for (std::size_t k = 0; k < links.size(); ++k) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -11,16 +12,18 @@ namespace lapedit {
 /// Returns the neighbours of a mesh with links over gaps. Pieces that are not connected but near each other, such as an
 /// eye and its socket, get a link from each vertex to the nearest one of another piece. A border vertex also gets one
 /// to the nearest border vertex of the same piece that is more than three times as far along the surface, as at the
-/// seam of a tube that was cut open. A link is at most as long as the gap and counts as an edge without faces. A vertex
-/// accepts at most kMostLinks links from others, the shortest of them, so that no vertex of a coarse piece next to a
-/// fine one has thousands of neighbours. Deterministic.
+/// seam of a tube that was cut open, if it is nearer. A vertex of a closed wall gets one through its inside to the
+/// other side, as does that of a plate. A link is at most as long as the gap and counts as an edge without faces. A
+/// vertex accepts at most kMostLinks links from others, the shortest of them, so that no vertex of a coarse piece next
+/// to a fine one has thousands of neighbours. Deterministic.
 /// @param gap      model units, > 0 and finite
 /// @param allowed  if given, one flag per vertex: only flagged ones are linked
+/// @param pairs    out, if given: the number of pairs of vertices that were looked at, at most some thousand per vertex
 /// @throws EditError (BadParameter)
-/// Cost: O(vertices), if the gap is not much longer than what lies between the pieces.
+/// Cost: O(vertices log vertices), however long the gap is.
 constexpr int kMostLinks = 3;
 IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
-                             const std::vector<char>* allowed = nullptr);
+                             const std::vector<char>* allowed = nullptr, std::size_t* pairs = nullptr);
 
 /// Returns the neighbours with further edges, given in both directions, ascending.
 IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<int, int>>& edges);

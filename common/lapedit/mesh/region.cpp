@@ -490,19 +490,38 @@ void find_links(const Adjacency& adjacency, Region& region) {
   }
 }
 
+/// Returns flags of the vertices whose links count: those of a given set, or those near enough to be part of a region
+/// of a radius, to be linked to its vertices, to compete for these links, or to be what competitors are linked to
+/// instead.
+std::vector<char> linkable(const TriangleMesh& mesh, const RegionSpec& spec,
+                           const std::vector<std::vector<int>>& groups) {
+  const int n = static_cast<int>(mesh.vertices.rows());
+  const bool near = spec.kind == RegionSpec::Kind::Radius && !spec.tips && !spec.pieces;
+  std::vector<char> flags(n, !near && spec.kind != RegionSpec::Kind::Vertices);
+  if (spec.kind == RegionSpec::Kind::Vertices) {
+    for (const int v : spec.vertices) {
+      if (v >= 0 && v < n) {
+        flags[v] = 1;
+      }
+    }
+  } else if (near) {
+    std::vector<int> group_of;
+    const Eigen::AlignedBox3d box = bounding_box(mesh.vertices, collect_handles(mesh, groups, group_of));
+    const Vector3 margin = Vector3::Constant(rounded_up(spec.radius + 3 * spec.connect_gap));
+    const Eigen::AlignedBox3d reach(box.min() - margin, box.max() + margin);
+    for (int v = 0; v < n; ++v) {
+      flags[v] = reach.contains(Vector3(mesh.vertices.row(v)));
+    }
+  }
+  return flags;
+}
+
 /// Links that leave a given set make no rim, since vertices outside the set do not constrain it.
 Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                        const std::vector<std::vector<int>>& groups, int threads,
                        const std::vector<std::vector<double>>& weights) {
-  const bool given_set = spec.kind == RegionSpec::Kind::Vertices;
-  std::vector<char> flags(given_set ? mesh.vertices.rows() : 0, 0);
-  for (const int v : spec.vertices) {
-    if (v >= 0 && v < static_cast<int>(flags.size())) {
-      flags[v] = 1;
-    }
-  }
-  const Adjacency linked{linked_neighbours(mesh, adjacency.neighbours, spec.connect_gap, given_set ? &flags : nullptr),
-                         adjacency.faces};
+  const std::vector<char> flags = linkable(mesh, spec, groups);
+  const Adjacency linked{linked_neighbours(mesh, adjacency.neighbours, spec.connect_gap, &flags), adjacency.faces};
   RegionSpec plain = spec;
   plain.connect_gap = 0;
   Region region = build_region(mesh, linked, plain, groups, threads, weights);

@@ -3,9 +3,37 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 namespace lapedit {
+namespace {
+
+/// Visits the cubes of the grid at a Chebyshev distance.
+template <class Body>
+void for_ring(const std::array<int, 3>& counts, const std::array<int, 3>& middle, int ring, const Body& body) {
+  const auto low = [&](int k) { return std::max(0, middle[k] - ring); };
+  const auto high = [&](int k) { return std::min(counts[k] - 1, middle[k] + ring); };
+  for (int z = low(2); z <= high(2); ++z) {
+    for (int y = low(1); y <= high(1); ++y) {
+      const bool whole_row = std::abs(z - middle[2]) == ring || std::abs(y - middle[1]) == ring;
+      const int row = (z * counts[1] + y) * counts[0];
+      if (whole_row) {
+        for (int x = low(0); x <= high(0); ++x) {
+          body(row + x);
+        }
+        continue;
+      }
+      for (const int x : {middle[0] - ring, middle[0] + ring}) {
+        if (x >= 0 && x < counts[0]) {
+          body(row + x);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
 
 VertexGrid::VertexGrid(const Points& points, std::vector<int> vertices) : points_(points) {
   const Eigen::AlignedBox3d box = bounding_box(points, vertices);
@@ -47,6 +75,28 @@ std::array<int, 3> VertexGrid::cube_at(const Vector3& position) const {
     cube[k] = static_cast<int>(std::clamp((position[k] - low_[k]) / size_, 0.0, static_cast<double>(counts_[k] - 1)));
   }
   return cube;
+}
+
+int VertexGrid::nearest(const Vector3& position, double limit) const {
+  int found = -1;
+  limit = std::min(limit, kFar);
+  double best = limit * limit;
+  const std::array<int, 3> middle = cube_at(position);
+  const int rings = *std::max_element(counts_.begin(), counts_.end());
+  // Rings of cubes farther than the nearest vertex found, or than the limit, are skipped.
+  for (int ring = 0; ring <= rings && (ring == 0 || nearest_of_ring(position, middle, ring) <= best); ++ring) {
+    for_ring(counts_, middle, ring, [&](int cube) {
+      for (int k = offsets_[cube]; k < offsets_[cube + 1]; ++k) {
+        const int v = vertices_[k];
+        const double squared = (points_.row(v).transpose() - position).squaredNorm();
+        if (squared < best || (squared == best && (found < 0 || v < found))) {
+          best = squared;
+          found = v;
+        }
+      }
+    });
+  }
+  return found;
 }
 
 /// Returns a lower bound of the squared distance to the cubes of a ring and beyond.

@@ -45,14 +45,15 @@ bool meets(const FaceTree::Volume& box, const Vector3& origin, const Vector3& in
 
 /// Queries the tree for the first face along a ray; among equally near faces the first of the mesh.
 struct Nearest {
-  Nearest(const TriangleMesh& the_mesh, const Ray& the_ray)
-      : mesh(the_mesh), ray(the_ray), inverse(the_ray.direction.cwiseInverse()) {}
+  Nearest(const TriangleMesh& the_mesh, const Ray& the_ray, double limit, int the_except)
+      : mesh(the_mesh), ray(the_ray), inverse(the_ray.direction.cwiseInverse()), distance(limit), except(the_except) {}
 
   bool intersectVolume(const FaceTree::Volume& box) const { return meets(box, ray.origin, inverse, distance); }
 
   bool intersectObject(int other) {
     const double t = distance_along(mesh, ray, other);
-    if (t < distance || (t == distance && face >= 0 && other < face)) {
+    const bool is_nearer = t < distance || (t == distance && face >= 0 && other < face);
+    if (is_nearer && !(mesh.faces.row(other).array() == except).any()) {
       distance = t;
       face = other;
     }
@@ -62,7 +63,8 @@ struct Nearest {
   const TriangleMesh& mesh;
   Ray ray;
   Vector3 inverse;
-  double distance = std::numeric_limits<double>::infinity();
+  double distance;
+  int except;
   int face = -1;
 };
 
@@ -150,8 +152,8 @@ bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex
   return !crossing.found;
 }
 
-std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray) const {
-  Nearest nearest(impl_->mesh, ray);
+std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray, double limit, int except) const {
+  Nearest nearest(impl_->mesh, ray, limit, except);
   run(impl_->faces, impl_->faces.getRootIndex(), nearest);
   return nearest.face >= 0 ? std::optional(hit_of(impl_->mesh, ray, nearest.face, nearest.distance)) : std::nullopt;
 }

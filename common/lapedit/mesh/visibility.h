@@ -27,7 +27,9 @@ class Visibility {
   bool sees(const Camera& view, const Adjacency& adjacency, int vertex, int side = 1) const;
 
   /// Same as first_hit() of the mesh, O(log faces). Allocates nothing.
-  std::optional<SurfaceHit> first_hit(const Ray& ray) const;
+  /// @param limit   hits at this distance or beyond are ignored, in units of the ray's direction
+  /// @param except  faces around this vertex are ignored
+  std::optional<SurfaceHit> first_hit(const Ray& ray, double limit = kUnreached, int except = -1) const;
 
  private:
   struct Impl;

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/vertex_tree.h"
+
+#include <algorithm>
+
+namespace lapedit {
+
+VertexTree::VertexTree(const Points& points, const std::vector<int>& labels, std::vector<int> vertices)
+    : points_(points), labels_(labels), vertices_(std::move(vertices)) {
+  if (!vertices_.empty()) {
+    build(0, static_cast<int>(vertices_.size()));
+  }
+}
+
+int VertexTree::build(int first, int last) {
+  constexpr int kLeaf = 8;
+  const auto number = nodes_.size();
+  Node node;
+  node.low = node.high = points_.row(vertices_[first]).transpose();
+  node.first = first;
+  node.last = last;
+  node.label = labels_[vertices_[first]];
+  node.lowest = vertices_[first];
+  for (int k = first; k < last; ++k) {
+    const int v = vertices_[k];
+    node.low = node.low.cwiseMin(points_.row(v).transpose());
+    node.high = node.high.cwiseMax(points_.row(v).transpose());
+    node.label = labels_[v] == node.label ? node.label : kNoLabel;
+    node.lowest = std::min(node.lowest, v);
+  }
+  nodes_.push_back(node);
+  if (last - first > kLeaf) {
+    Eigen::Index axis = 0;
+    (node.high - node.low).maxCoeff(&axis);
+    const int middle = first + (last - first) / 2;
+    std::nth_element(vertices_.begin() + first, vertices_.begin() + middle, vertices_.begin() + last,
+                     [&](int a, int b) { return std::pair(points_(a, axis), a) < std::pair(points_(b, axis), b); });
+    build(first, middle);
+    nodes_[number].right = build(middle, last);
+  }
+  return static_cast<int>(number);
+}
+
+}  // namespace lapedit
