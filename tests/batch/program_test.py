@@ -136,7 +136,7 @@ class Edits(ProgramTest):
         points = [(i / 10, j / 10, (i * j % 7) / 50) for j in range(side) for i in range(side)]
         corners = [j * side + i for j in range(side - 1) for i in range(side - 1)]
         self.mesh.write_bytes(files.ply_plain((points, [face for a in corners for face in ((a, a + 1, a + side), (a + 1, a + side + 1, a + side))])))
-        edit, most = self.write_edit({"region": {"radius": 0.3}, "handles": [{"vertices": [side * side // 2], "translation": [0, 0, 0.1]}]}), []
+        edit, most = self.write_edit({"region": {"radius": 0.3}, "handles": [{"vertices": str(side * side // 2), "translation": [0, 0, 0.1]}]}), []
         for count in (2, 150):
             process = self.start("--quiet", self.mesh, "out.ply", edit, "--fractions", f"0:1:{count}")
             _, status, used = os.wait4(process.pid, 0)
