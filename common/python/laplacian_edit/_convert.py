@@ -97,7 +97,7 @@ def _triangles(faces: Any, where: str, is_object: bool) -> tuple[numpy.ndarray, 
     Args:
         is_object: the faces are those of a mesh, whose library says what they are.
     """
-    if isinstance(faces, Iterator) or (isinstance(faces, numpy.ndarray) and faces.dtype == object):
+    if isinstance(faces, Iterator):
         faces = list(faces)
     is_ragged = isinstance(faces, (list, tuple)) and len({len(face) for face in faces if _has_length(face)}) > 1
     if is_ragged:
