@@ -370,6 +370,7 @@ class Refusals(unittest.TestCase):
             "an object": (lambda: edit(points, faces, {"steps": [{**PULL, "membrane": object()}]}), "steps[0].membrane", "no form in JSON"),
             "no edit": (lambda: edit(points, faces, 7), "edit", "int is no edit"),
             "a file that is not there": (lambda: edit(points, faces, pathlib.Path("nowhere.json")), "edit", "nowhere.json"),
+            "a folder as a file": (lambda: edit(points, faces, pathlib.Path()), "edit", "no regular file"),
             "broken JSON": (lambda: edit(points, faces, '{"steps": ['), "edit", "not valid JSON"),
             "a fraction of 2": (lambda: edit(points, faces, {"steps": [PULL]}, fraction=2), "fraction", "2 is outside"),
             "a flat array of vertices": (lambda: edit(points.ravel(), faces, {"steps": [PULL]}), "vertices", r"shape \(1323,\)"),

@@ -401,6 +401,8 @@ def text_of(edit: Any, vertices: int, folder: Any, is_step: bool = False) -> tup
             return edit.encode("utf-8", "surrogatepass"), folder or ""
         path = path_of(edit, "edit")
         try:
+            if os.path.exists(path) and not os.path.isfile(path):
+                raise OSError(0, "it is no regular file")
             text = pathlib.Path(path).read_bytes()
         except OSError as error:
             raise refused("edit", f'"{path}" cannot be read ({error.strerror}): give a dict, JSON text, which begins with {{, or the path '
