@@ -60,7 +60,7 @@ inline int run(MeshReader read, const std::uint8_t* data, std::size_t size) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   MeshFile file;
   try {
-    file = read(bytes);
+    file = read(bytes, true);
   } catch (const UnreadableMesh& error) {
     require(std::strlen(error.what()) > 10 && std::strlen(error.what()) < 600 + 3 * size, "a refusal is a sentence");
     return 0;
@@ -72,7 +72,7 @@ inline int run(MeshReader read, const std::uint8_t* data, std::size_t size) {
   const EditResult edit = moved(file, static_cast<int>(size % 3));
   Points expected = file.mesh.vertices;
   scatter(edit.vertices, edit.positions, expected);
-  const MeshFile after = read(file.edited(edit, shared));
+  const MeshFile after = read(file.edited(edit, shared), true);
   require_consistent(after);
   require(after.mesh.faces.rows() == file.mesh.faces.rows() && after.mesh.faces == file.mesh.faces, "all faces stay");
   require(after.mesh.vertices.rows() == expected.rows(), "no vertex is lost or added");

@@ -115,6 +115,13 @@ TEST(JsonObject, DeepNestingIsRefused) {
   }
 }
 
+TEST(JsonObject, ObjectsWithManyKeysAreRefused) {
+  std::string keys = "\"k\": 1";
+  for (int k = 0; k < 99; ++k) keys += ", \"k" + std::to_string(k) + "\": 1";
+  EXPECT_EQ(refusal("{" + keys + "}"), "");
+  expect_contains(refusal("{\"a\": [{" + keys + ", \"b\": 1}]}"), "a[0]: the object has more than 100 keys");
+}
+
 TEST(JsonObject, HugeTextsAreRefused) {
   expect_contains(refusal(std::string((64 << 20) + 1, ' ')), "67108865 bytes; the limit is 67108864");
 }
@@ -124,6 +131,7 @@ TEST(JsonObject, ForeignTextIsMadeFitForAMessage) {
   EXPECT_EQ(quoted_text("\xC3\xA4"), "\"\xC3\xA4\"");
   EXPECT_EQ(quoted_text(std::string(60, 'x')), '"' + std::string(60, 'x') + '"');
   EXPECT_EQ(quoted_text(std::string(5000, 'x')), '"' + std::string(60, 'x') + "...\"");
+  EXPECT_LT(quoted_text(std::string(5000, '\x80')).size(), 1000U);
   EXPECT_EQ(describe(Json()), "null");
   EXPECT_EQ(describe(true), "true");
   EXPECT_EQ(describe(0.5), "the number 0.5");

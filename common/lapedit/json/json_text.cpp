@@ -9,7 +9,7 @@
 namespace lapedit {
 namespace {
 
-constexpr std::size_t kDeepest = 1024, kMostKeys = 1000;
+constexpr std::size_t kDeepest = 1024, kMostKeys = 100;
 
 /// Checks what the library's parser reads, since the parser accepts duplicate keys (the last one wins, found by linear
 /// search) and any depth.
@@ -124,7 +124,8 @@ std::string trimmed(const std::string& text, const char* space) {
 
 std::string quoted_text(const std::string& text, int most_characters) {
   std::size_t end = 0;
-  for (int characters = 0; end < text.size(); ++end) {
+  const std::size_t most = std::min(text.size(), 4 * static_cast<std::size_t>(most_characters));  // if it is no UTF-8
+  for (int characters = 0; end < most; ++end) {
     characters += (text[end] & 0xC0) != 0x80;
     if (characters > most_characters) {
       break;

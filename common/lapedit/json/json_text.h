@@ -32,7 +32,7 @@ bool is_utf16(const std::string& text);
 
 /// Returns the object in a UTF-8 text, with or without a byte order mark.
 /// @throws EditError (BadScript) for invalid JSON, with line and column; for a key that is given twice in an object;
-///         for texts of more than kLargestJson bytes, objects of more than 1,000 keys, and values more than 1,024 deep
+///         for texts of more than kLargestJson bytes, objects of more than 100 keys, and values more than 1,024 deep
 /// Cost: O(n log k) for n bytes with at most k keys in an object
 Json parse_json(std::string json);
 

@@ -125,10 +125,13 @@ void read_picked_points(const std::string& text, const std::string& name, Collec
 
 // --- Tables ---------------------------------------------------------------------------------------------------------
 
+constexpr std::size_t kMostColumns = 1000;
+
+/// Returns the cells of a line, the first ones of a line with more than kMostColumns.
 std::vector<std::string> cells_of(const std::string& line, char separator) {
   std::vector<std::string> cells(1);
   bool is_quoted = false;
-  for (std::size_t k = 0; k < line.size(); ++k) {
+  for (std::size_t k = 0; k < line.size() && cells.size() <= kMostColumns; ++k) {
     if (line[k] == '"') {
       is_quoted = !is_quoted;
       cells.back() += is_quoted && k > 0 && line[k - 1] == '"' ? "\"" : "";  // "" is an escaped quote
@@ -207,6 +210,9 @@ void read_table(const std::string& text, const std::string& name, const std::str
       separator = at == std::string::npos ? ',' : content[at];
     }
     const std::vector<std::string> cells = cells_of(content, separator);
+    if (cells.size() > kMostColumns) {
+      refuse_json(where + ": has more than " + std::to_string(kMostColumns) + " columns; give name, x, y and z.");
+    }
     if (columns[0] < 0) {
       std::string system;
       const Columns named = columns_of(cells, system);

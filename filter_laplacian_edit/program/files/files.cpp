@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -25,7 +26,8 @@ namespace {
 
 }  // namespace
 
-std::string readFile(const std::string& what, const std::string& path, std::size_t most) {
+std::string readFile(const std::string& what, const std::string& path, std::size_t most,
+                     const std::function<void(const std::string&)>& check) {
   std::error_code unknown;
   if (path != "-" && fs::is_directory(path, unknown)) {
     refuseReading(what, path, "it is a folder");
@@ -36,14 +38,19 @@ std::string readFile(const std::string& what, const std::string& path, std::size
     refuseReading(what, path, errno == ENOENT ? "it does not exist" : std::strerror(errno));
   }
   std::string text;
-  if (path != "-") {
-    const std::uintmax_t size = fs::file_size(path, unknown);
-    text.reserve(unknown ? 0 : static_cast<std::size_t>(size));
-  }
   std::vector<char> part(1 << 16);
+  std::size_t toCheck = part.size();
   for (std::size_t count = part.size(); count == part.size() && text.size() <= most;) {
     count = std::fread(part.data(), 1, part.size(), file.get());
     text.append(part.data(), count);
+    if (count == part.size() && text.size() >= toCheck) {
+      if (check) {
+        check(text);
+      }
+      const std::uintmax_t size = text.size() == part.size() && path != "-" ? fs::file_size(path, unknown) : 0;
+      text.reserve(unknown ? 0 : static_cast<std::size_t>(std::min<std::uintmax_t>(size, most)));
+      toCheck = 2 * text.size();
+    }
   }
   if (std::ferror(file.get()) != 0) {
     refuseReading(what, path, std::strerror(errno));
@@ -55,21 +62,26 @@ std::string readFile(const std::string& what, const std::string& path, std::size
 }
 
 MeshFile readMeshFile(const std::string& path, MeshReader reader) {
-  std::string bytes = readFile("mesh", path, std::numeric_limits<std::size_t>::max());
+  std::string mark, why = "it has no vertices";
   // The readers find no mesh in such a text. A binary mesh file may begin with the same bytes.
-  const bool isUtf16 = bytes.compare(0, 2, "\xFF\xFE") == 0 || bytes.compare(0, 2, "\xFE\xFF") == 0;
-  const std::string space = lapedit::space_in_header(bytes.substr(0, 1 << 16));
-  std::string why = "it has no vertices";
+  const auto isUtf16 = [&mark] { return mark == "\xFF\xFE" || mark == "\xFE\xFF"; };
   try {
-    MeshFile file = reader(std::move(bytes));
+    const auto check = [&](const std::string& bytes) {
+      mark = bytes.substr(0, 2);
+      reader(bytes, false);
+    };
+    std::string bytes = readFile("mesh", path, std::numeric_limits<std::size_t>::max(), check);
+    mark = bytes.substr(0, 2);
+    const std::string space = lapedit::space_in_header(bytes.substr(0, 1 << 16));
+    MeshFile file = reader(std::move(bytes), true);
     file.space = space;
-    if (!isUtf16 || file.mesh.vertices.rows() > 0) {
+    if (file.mesh.vertices.rows() > 0 || !isUtf16()) {
       return file;
     }
   } catch (const UnreadableMesh& error) {
     why = error.what();
   }
-  refuseReading("mesh", path, isUtf16 ? "it is text in UTF-16: save it in UTF-8" : why);
+  refuseReading("mesh", path, isUtf16() ? "it is text in UTF-16: save it in UTF-8" : why);
 }
 
 std::string quotedPath(const std::string& path) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,8 +19,10 @@ std::string quotedPath(const std::string& path);
 std::filesystem::path realPath(const std::string& path);
 
 /// Reads a whole file, "-" the standard input. @param what  names it in messages. @param most  bytes
+/// @param check  called with the beginning of a file of 64 KiB or more, and again each time that twice as much is read
 /// @throws Failure (Unreadable)
-std::string readFile(const std::string& what, const std::string& path, std::size_t most);
+std::string readFile(const std::string& what, const std::string& path, std::size_t most,
+                     const std::function<void(const std::string&)>& check = nullptr);
 
 /// Reads a mesh. @throws Failure (Unreadable)
 MeshFile readMeshFile(const std::string& path, MeshReader reader);

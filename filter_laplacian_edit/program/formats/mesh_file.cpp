@@ -149,6 +149,11 @@ std::string MeshFile::edited(const EditResult& result, int& sharedNormals) const
 }
 
 void MeshBuilder::addPolygon(const std::vector<long long>& corners) {
+  constexpr std::size_t kMany = 1 << 16;  // faces with fewer corners may come before the vertices
+  if (corners.size() > std::max(vertexCount(), kMany)) {
+    throw UnreadableMesh("face " + std::to_string(polygons_ + first_) + " has " + std::to_string(corners.size()) +
+                         " corners, but there are " + std::to_string(vertexCount()) + " vertices before it");
+  }
   for (const long long corner : corners) {
     if (corner < 0) {
       refuse(polygons_, corner);

@@ -64,6 +64,10 @@ class ObjReader {
 
 }  // namespace
 
-MeshFile readObj(std::string bytes) {
+MeshFile readObj(std::string bytes, bool isWhole) {
+  if (!isWhole) {
+    requireText(bytes);
+    return {};
+  }
   return ObjReader().read(std::move(bytes));
 }

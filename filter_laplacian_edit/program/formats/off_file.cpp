@@ -77,14 +77,20 @@ int numbersBeforeNormal(TextReader reader, const Columns& columns) {
 
 }  // namespace
 
-MeshFile readOff(std::string bytes) {
+MeshFile readOff(std::string bytes, bool isWhole) {
+  if (!isWhole) {
+    requireText(bytes);
+  }
   MeshBuilder mesh;
   mesh.file.bytes = std::move(bytes);
   TextReader reader(mesh.file.bytes, true);
   const std::string_view header = reader.word();
   const std::size_t off = header.find("OFF");
-  if (off == std::string_view::npos) {
+  if (off == std::string_view::npos && (isWhole || !header.empty())) {
     reader.refuse("the file does not begin with OFF");
+  }
+  if (!isWhole) {
+    return {};
   }
   const Columns columns = columnsOf(header.substr(0, off), reader);
   reader.seek(reader.at() + off + 3);  // the counts may follow without a blank

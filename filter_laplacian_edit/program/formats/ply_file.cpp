@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "formats/text_reader.h"
@@ -30,7 +31,6 @@ enum Role { X, Y, Z, NormalX, NormalY, NormalZ, Flags, Corners, None };
 constexpr const char* kRoles[] = {"x", "y", "z", "nx", "ny", "nz", "flags"};
 
 struct Property {
-  std::string name;
   const Type* type = nullptr;
   const Type* countType = nullptr;  ///< of a list; null: a single number
   Role role = None;
@@ -40,22 +40,39 @@ struct Element {
   std::string name;
   std::size_t count = 0;
   std::vector<Property> properties;
+  std::set<std::string> names;  ///< of the properties
   FileVectors vectors[2];       ///< how positions and normals are written
   int realNumbers[2] = {0, 0};  ///< how many of these properties are float or double
-
-  bool has(const std::string& property) const {
-    return std::any_of(properties.begin(), properties.end(), [&](const Property& p) { return p.name == property; });
-  }
 };
 
 constexpr int kSelected = 0x20;  // bit of MeshLab's flags
+constexpr const char* kNoEnd = "the header has no end";
 
 class PlyReader {
  public:
   explicit PlyReader(std::string bytes) : text_(mesh_.file.bytes) { file().bytes = std::move(bytes); }
 
+  /// Checks the beginning of a file.
+  void check() {
+    constexpr std::size_t kLargestHeader = 4 << 20;
+    std::string& bytes = file().bytes;
+    const bool hasZero = bytes.find('\0') != std::string::npos;
+    if (!hasZero) {
+      bytes.resize(bytes.find_last_of("\r\n") + 1);  // to whole lines
+    }
+    if (readHeader()) {
+      if (is_text_) {
+        requireText(bytes);
+      }
+    } else if (hasZero || bytes.size() > kLargestHeader) {
+      text_.refuse(kNoEnd);
+    }
+  }
+
   MeshFile read() {
-    readHeader();
+    if (!readHeader()) {
+      text_.refuse(kNoEnd);
+    }
     for (const Element& element : elements_) {
       const bool isVertex = element.name == "vertex", isFace = element.name == "face";
       for (row_ = 0; row_ < element.count && !element.properties.empty(); ++row_) {
@@ -79,7 +96,8 @@ class PlyReader {
 
   // The header.
 
-  void readHeader() {
+  /// @return whether it has an end
+  bool readHeader() {
     if (text_.wordOfLine() != "ply") {
       throw UnreadableMesh("it does not begin with the line ply");
     }
@@ -99,7 +117,7 @@ class PlyReader {
       } else if (word == "property") {
         readProperty();
       } else if (word.empty()) {
-        text_.refuse("the header has no end");
+        return false;
       } else if (word != "comment" && word != "obj_info") {
         text_.refuse("there is no such line in a header");
       }
@@ -109,6 +127,7 @@ class PlyReader {
     at_ = std::min(file().bytes.size() - text_.left() + more, file().bytes.size());
     text_.seek(at_);
     takeKinds();
+    return true;
   }
 
   void readElement() {
@@ -119,7 +138,7 @@ class PlyReader {
       text_.refuse("the element comes before the format, or there cannot be so many");
     }
     element.count = static_cast<std::size_t>(count);
-    if (std::any_of(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == element.name; })) {
+    if (!names_.insert(element.name).second) {
       text_.refuse("there is an element of this name before");
     }
     elements_.push_back(std::move(element));
@@ -143,8 +162,8 @@ class PlyReader {
       property.countType = readType();
     }
     property.type = readType();
-    const std::string name = property.name = text_.wordOfLine();
-    if (elements_.empty() || name.empty() || elements_.back().has(name) ||
+    const std::string name(text_.wordOfLine());
+    if (elements_.empty() || name.empty() || !elements_.back().names.insert(name).second ||
         (property.countType != nullptr && property.countType->isReal)) {
       text_.refuse("the property has no element, no name of its own, or a list whose length is no whole number");
     }
@@ -307,6 +326,7 @@ class PlyReader {
 
   MeshBuilder mesh_;
   std::vector<Element> elements_;
+  std::set<std::string> names_;  // of the elements
   bool has_format_ = false, is_text_ = true, has_vertex_normals_ = false, has_face_normals_ = false;
   std::size_t at_ = 0;  // position in binary rows
   TextReader text_;     // reads the header, and rows in text
@@ -322,6 +342,11 @@ class PlyReader {
 
 }  // namespace
 
-MeshFile readPly(std::string bytes) {
-  return PlyReader(std::move(bytes)).read();
+MeshFile readPly(std::string bytes, bool isWhole) {
+  PlyReader reader(std::move(bytes));
+  if (isWhole) {
+    return reader.read();
+  }
+  reader.check();
+  return {};
 }

@@ -2,6 +2,7 @@
 // STL: triangles by their corners, in text or in binary with little-endian floats. Equal corners are one vertex.
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <functional>
 #include <unordered_map>
 #include <utility>
@@ -35,11 +36,15 @@ MeshFile meshOf(std::string bytes, Triangles triangles) {
   mesh.file.positions = std::move(triangles.positions);
   std::unordered_map<std::array<double, 3>, int, Hash> numbers;
   for (const std::array<double, 3>& corner : triangles.corners) {
-    const auto [found, isNew] = numbers.try_emplace(corner, static_cast<int>(numbers.size()));
-    if (isNew) {
+    int number = static_cast<int>(mesh.vertexCount());
+    const bool isNumber = std::none_of(corner.begin(), corner.end(), [](double c) { return std::isnan(c); });
+    if (isNumber) {  // NaN equals no other, so that a search for it would compare all
+      number = numbers.try_emplace(corner, number).first->second;
+    }
+    if (number == static_cast<int>(mesh.vertexCount())) {
       mesh.addVertex(corner.data());
     }
-    mesh.file.vertices.push_back(found->second);
+    mesh.file.vertices.push_back(number);
   }
   for (std::size_t i = 0; i < mesh.file.vertices.size(); i += 3) {
     const int a = mesh.file.vertices[i], b = mesh.file.vertices[i + 1], c = mesh.file.vertices[i + 2];
@@ -88,10 +93,14 @@ Triangles readText(const std::string& bytes) {
   };
   for (std::string_view word = reader.word(); !word.empty(); word = reader.word()) {
     std::array<double, 3> values = {};
+    const bool isEnd = is(word, "end");  // some programs write end loop
+    if (isEnd) {
+      word = reader.word();
+    }
     if (is(word, "vertex")) {
       reader.vector(triangles.positions, values.data());
       triangles.corners.push_back(values);
-    } else if (is(word, "facet")) {
+    } else if (is(word, "facet") && !isEnd) {
       requireWhole(0);
       if (!is(reader.word(), "normal")) {
         reader.refuse("a facet has no normal");
@@ -99,7 +108,8 @@ Triangles readText(const std::string& bytes) {
       reader.vector(triangles.normals, values.data());
     } else if (is(word, "solid") || is(word, "endsolid")) {
       reader.skipLine();  // may have a name
-    } else if (!is(word, "outer") && !is(word, "loop") && !is(word, "endloop") && !is(word, "endfacet")) {
+    } else if (!is(word, "outer") && !is(word, "loop") && !is(word, "endloop") && !is(word, "endfacet") &&
+               !is(word, "facet")) {
       reader.refuse("there is no such word in STL");
     }
   }
@@ -109,22 +119,31 @@ Triangles readText(const std::string& bytes) {
 
 }  // namespace
 
-MeshFile readStl(std::string bytes) {
+MeshFile readStl(std::string bytes, bool isWhole) {
   const std::size_t count = bytes.size() < kHeader ? 0 : bitsAt(bytes, kHeader - 4, 4, false);
   const std::size_t size = kHeader + kTriangle * count;
-  const bool isText = is(TextReader(bytes).word().substr(0, 5), "solid");
-  // A binary file may begin with the word solid, too; then its size has to match. Others may have more bytes at the
-  // end.
-  if (bytes.size() >= kHeader && (isText ? bytes.size() == size : bytes.size() >= size)) {
-    Triangles triangles = readBinary(bytes, count);
-    MeshFile file = meshOf(std::move(bytes), std::move(triangles));
-    file.scalar = StoredScalar::Float;
-    return file;
+  // The header of a binary file may begin with the word solid, too, but text has no byte 0 in the place of the count
+  // and the first triangle.
+  const bool isText = is(TextReader(bytes).word().substr(0, 5), "solid") && (!isWhole || bytes.size() != size) &&
+                      bytes.find('\0') >= std::min(kHeader + kTriangle, bytes.size());
+  if (!isWhole) {
+    if (isText) {
+      requireText(bytes);
+    } else if (count == 0) {
+      throw UnreadableMesh("it goes on after 0 triangles, as its header names");
+    }
+    return {};
   }
-  if (!isText) {
+  if (isText) {
+    Triangles triangles = readText(bytes);
+    return meshOf(std::move(bytes), std::move(triangles));
+  }
+  if (bytes.size() < size) {
     throw UnreadableMesh("it has " + std::to_string(bytes.size()) + " bytes, but an STL file of " +
                          std::to_string(count) + " triangles, as its header names, has " + std::to_string(size));
   }
-  Triangles triangles = readText(bytes);
-  return meshOf(std::move(bytes), std::move(triangles));
+  Triangles triangles = readBinary(bytes, count);  // there may be more bytes at the end
+  MeshFile file = meshOf(std::move(bytes), std::move(triangles));
+  file.scalar = StoredScalar::Float;
+  return file;
 }

@@ -14,7 +14,8 @@
 namespace {
 
 std::string quoted(std::string_view word) {
-  return lapedit::quoted_text(std::string(word.substr(0, 60)));
+  constexpr std::size_t kMany = 1000;  // bytes, more than a message shows
+  return lapedit::quoted_text(std::string(word.substr(0, kMany)));
 }
 
 bool endsLine(char letter) {
@@ -35,6 +36,12 @@ bool convert(std::string_view word, Number& value) {
 }
 
 }  // namespace
+
+void requireText(const std::string& bytes) {
+  if (const std::size_t at = bytes.find('\0'); at != std::string::npos) {
+    throw UnreadableMesh("byte " + std::to_string(at) + " is 0: it is no text, or was not written completely");
+  }
+}
 
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian) {
   std::uint64_t bits = 0;

@@ -48,6 +48,9 @@ class TextReader {
   std::size_t at_ = 0, next_ = 0;
 };
 
+/// @throws UnreadableMesh if there is a byte 0
+void requireText(const std::string& bytes);
+
 /// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary.
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
 /// Reads a real number of 4 or 8 bytes in binary; putReal() writes one.
