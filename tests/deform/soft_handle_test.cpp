@@ -141,15 +141,12 @@ TEST(SoftHandle, FramesFollowTheirWeights) {
         settings.handle_weight = weight;
         StepSolver solver(disc.mesh, {std::make_shared<const Region>(disc.soft(0.8))}, settings);
         const std::vector<HandleMotion> maps{support::rigid(30, {0, 1, 1}, {0, 0.1, 0.2}, {2, 1, 0})};
-        Points cells, frame;
         solver.make_cells(disc.mesh);
-        solver.frame(maps, cells);
+        const Points cells = solver.pose(maps, PoseAccuracy::Cells);
         solver.prepare(disc.mesh);
         const Points exact = solver.pose(maps);
         EXPECT_LT((cells - exact).rowwise().norm().maxCoeff(), 0.05) << weight << ", " << name(method);
-        solver.frame(maps, frame);
-        while (solver.refine(frame)) {
-        }
+        const Points& frame = solver.pose(maps, PoseAccuracy::Corrected);
         EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 0.004) << weight << ", " << name(method);
       }
     }
@@ -161,9 +158,8 @@ TEST(SoftHandle, CellsFollowTheSoftRim) {
   const auto region = std::make_shared<const Region>(disc.soft(0.9));
   const std::vector<HandleMotion> maps{support::shift({0, 0, 0.4})};
   StepSolver solver(disc.mesh, {region}, EditSettings());
-  Points near;
   solver.make_cells(disc.mesh);
-  solver.frame(maps, near);
+  const Points near = solver.pose(maps, PoseAccuracy::Cells);
   solver.prepare(disc.mesh);
   const Points exact = solver.pose(maps);
   double off = 0, plateau = 0;

@@ -33,9 +33,7 @@ struct Scene {
   Points frame() const {
     StepSolver solver(mesh, {region}, settings);
     solver.make_cells(mesh);
-    Points positions;
-    solver.frame(maps, positions);
-    return positions;
+    return solver.pose(maps, PoseAccuracy::Cells);
   }
   Points rest() const { return support::rows(mesh.vertices, region->mesh_vertex); }
 };

@@ -14,8 +14,7 @@ namespace lapedit {
 class EditConstraints {
  public:
   /// @param system  must outlive the object
-  explicit EditConstraints(const LaplacianSystem& system)
-      : system_(system), paths_(system.region, system.rest.local, system.rest.origin) {}
+  explicit EditConstraints(const LaplacianSystem& system);
 
   /// @param handles  one per group, @param anchors motion of the anchors; both in absolute coordinates
   /// @throws EditError as GroupPaths::set()
@@ -46,6 +45,7 @@ class EditConstraints {
  private:
   const LaplacianSystem& system_;
   GroupPaths paths_;
+  std::vector<int> handles_;  // the region's handle vertices
   bool moves_rigidly_ = false, any_ = false;
   Points rigid_pose_, right_;
 };
