@@ -539,8 +539,10 @@ NB_MODULE(_core, module) {
       std::rethrow_exception(thrown);
     } catch (const EditError& error) {
       const nb::object type = nb::module_::import_("laplacian_edit._errors").attr("EditRefused");
-      const nb::object refusal = type(text_of(error.what()), nb::str(name_of(error.cause())), error.vertex(),
-                                      error.key().empty() ? nb::none() : text_of(error.key()));
+      const nb::object refusal = type(text_of(error.what()), nb::str(name_of(error.cause())), error.vertex());
+      if (!error.key().empty()) {
+        refusal.attr("key") = text_of(error.key());
+      }
       PyErr_SetObject(type.ptr(), refusal.ptr());
     }
   });

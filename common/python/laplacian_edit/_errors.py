@@ -18,16 +18,18 @@ class EditRefused(ValueError):
     cause: str
     vertex: Optional[int]
 
-    def __init__(self, message: str, cause: str = "BadParameter", vertex: int = -1, key: Optional[str] = None) -> None:
+    def __init__(self, message: str, cause: str = "BadParameter", vertex: int = -1) -> None:
         super().__init__(message)
-        self.key = key
+        self.key = None
         self.cause = cause
         self.vertex = vertex if vertex >= 0 else None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (str(self), self.cause, -1 if self.vertex is None else self.vertex, self.key)
+        return type(self), (str(self), self.cause, -1 if self.vertex is None else self.vertex), {"key": self.key}
 
 
 def refused(key: str, sentence: str, cause: str = "BadParameter") -> EditRefused:
     """Returns the refusal of a key or argument."""
-    return EditRefused(f"{key}: {sentence}", cause, key=key)
+    refusal = EditRefused(f"{key}: {sentence}", cause)
+    refusal.key = key
+    return refusal
