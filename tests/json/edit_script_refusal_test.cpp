@@ -292,6 +292,8 @@ TEST(EditScriptRefusal, VertexListsTakeNoMoreMemoryThanTheMesh) {
   }
   expect_contains(refusal_of([&] { read(step(beyond, inside, by_position + "'7', 'points': [[0, 0, 0]]}}, ")); }),
                   "vertex 10 is not among mesh.positions, by which the edit is applied; add it.");
+  const std::string typo = step(beyond, inside + "}, 'typo': {'to': 1");
+  expect_contains(refusal_of([&] { read(typo); }), "unknown key \"typo\"");
   const std::string high = by_position + "[99999999], 'points': [[0, 0, 0]]}}, ";
   expect_contains(refusal_of([&] { read(step(beyond, inside, high)); }),
                   "lists 99999991 vertices, but mesh.positions has points for 1; give one for each.");

@@ -32,7 +32,9 @@ struct Source {
   std::int64_t end = std::int64_t{1} << 31;  ///< the first number that is no vertex
   std::int64_t most = kMostListedVertices;   ///< number of vertices that can be listed
   bool by_position = false;                  ///< these are those of mesh.positions
+  bool of_mesh = false;                      ///< these are those of the mesh, which the text does not know
   std::int64_t listed = 0;                   ///< vertices in the lists before
+  std::optional<EditError> later = {};       ///< thrown at the end, since errors of the text itself come first
 };
 
 namespace {
@@ -62,12 +64,20 @@ int vertex_number(const std::string& text) {
 
 /// Adds a range of vertices. @throws EditError (BadScript) if it goes beyond the mesh
 void add_range(const JsonValue& value, int first, int last, Ranges& ranges) {
-  const Source& source = *value.source;
+  Source& source = *value.source;
   if (last >= source.end) {
-    value.refuse("vertex " + std::to_string(std::max<std::int64_t>(first, source.end)) +
-                 (source.by_position ? " is not among mesh.positions, by which the edit is applied; add it."
-                                     : " is outside the edit's mesh, which has " + std::to_string(source.end) +
-                                           " vertices, counted from 0."));
+    const std::string sentence =
+        "vertex " + std::to_string(std::max<std::int64_t>(first, source.end)) +
+        (source.by_position
+             ? " is not among mesh.positions, by which the edit is applied; add it."
+             : " is outside the edit's mesh, which has " + std::to_string(source.end) + " vertices, counted from 0.");
+    if (!source.of_mesh) {
+      value.refuse(sentence);
+    }
+    if (!source.later) {
+      source.later.emplace(ErrorCause::BadScript, value.where + ": " + sentence);
+    }
+    return;
   }
   ranges.emplace_back(first, last);
 }
@@ -136,6 +146,9 @@ void read(const JsonValue& value, std::vector<int>& vertices) {
     }
   } else {
     add_ranges(value, ranges);
+  }
+  if (source.later) {
+    return;
   }
   if (count_of(ranges) > source.most) {
     ranges = union_of(std::move(ranges));
@@ -554,15 +567,21 @@ struct MeshKeys {
 void limit_lists(const JsonValue& description, const Edit& edit) {
   Source& source = *description.source;
   if (edit.mesh_vertices) {
-    if (source.mesh != nullptr && *edit.mesh_vertices != source.mesh->vertices.rows()) {
-      require_same_mesh(*source.mesh, edit);
+    try {
+      if (source.mesh != nullptr && *edit.mesh_vertices != source.mesh->vertices.rows()) {
+        require_same_mesh(*source.mesh, edit);
+      }
+    } catch (const EditError& error) {
+      source.later = error;
     }
     source.end = source.most = *edit.mesh_vertices;
+    source.of_mesh = false;
   } else if (description.has("positions") && !edit.mesh_faces && edit.connectivity.empty()) {
     const Source unlimited = {source.folder, nullptr, nullptr};
     source.end = unlimited.end;
     source.most = static_cast<std::int64_t>(description["positions"]["points"].json.size());
     source.by_position = true;
+    source.of_mesh = false;
   }
 }
 
@@ -603,6 +622,7 @@ Edit read_edit(const std::string& json, const std::string& folder, const Triangl
   Source source = {folder, mesh, files};
   if (mesh != nullptr) {
     source.end = source.most = mesh->vertices.rows();
+    source.of_mesh = true;
   }
   const JsonValue whole = {root, "edit", &source};
   // Check the version first, since another version may have other keys.
@@ -610,6 +630,9 @@ Edit read_edit(const std::string& json, const std::string& folder, const Triangl
     version.refuse_kind("the number " + std::to_string(kVersion) + ", the version of this format");
   }
   read(whole, edit);
+  if (source.later) {
+    throw EditError(*source.later);
+  }
   return edit;
 }
 
