@@ -2,8 +2,9 @@
 #include "other_layers.h"
 
 #include <algorithm>
-#include <future>
-#include <system_error>
+#include <new>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "lapedit_host/mesh_bridge.h"
@@ -12,8 +13,26 @@ using namespace lapedit;
 using namespace lapedit::host;
 
 bool OtherLayers::read(const std::vector<Layer>& layers, int edited) {
+  std::string error;
+  try {
+    if (auto built = building_.take()) {
+      targets_ = std::move(*built);
+    }
+    return readNext(layers, edited);
+  } catch (const std::bad_alloc&) {
+    error = "There is not enough memory to snap to the other layers: hide some, or switch snapping off.";
+  } catch (const std::exception& exception) {
+    error = exception.what();
+  }
+  pieces_.clear();
+  reading_ = false;
+  targets_ = std::make_shared<const SnapTargets>(std::vector<TriangleMesh>());
+  throw std::runtime_error(error);
+}
+
+bool OtherLayers::readNext(const std::vector<Layer>& layers, int edited) {
   const auto own = std::find_if(layers.begin(), layers.end(), [edited](const Layer& l) { return l.id == edited; });
-  if (own == layers.end() || building_) {
+  if (own == layers.end()) {
     return false;
   }
   std::vector<double> found;
@@ -26,7 +45,7 @@ bool OtherLayers::read(const std::vector<Layer>& layers, int edited) {
       found.insert(found.end(), map.data(), map.data() + map.matrix().size());
     }
   }
-  if ((!reading_ && !targets_) || found != fingerprint_) {
+  if ((!busy() && !targets_) || found != fingerprint_) {
     forget();
     fingerprint_ = std::move(found);
     pieces_ = std::move(pieces);
@@ -79,40 +98,21 @@ void OtherLayers::build() {
   }
   pieces_.clear();
   reading_ = false;
-  try {
-    work_ = JoinedThread(std::packaged_task<void()>([this, given = std::move(meshes)]() mutable {
-      std::vector<TriangleMesh> usable;
-      for (TriangleMesh& mesh : given) {
-        if (mesh.faces.rows() > 0 && mesh.faces.minCoeff() >= 0) {
-          usable.push_back(std::move(mesh));
-        }
+  building_.start([given = std::move(meshes)]() mutable {
+    std::vector<TriangleMesh> usable;
+    for (TriangleMesh& mesh : given) {
+      if (mesh.faces.rows() > 0 && mesh.faces.minCoeff() >= 0) {
+        usable.push_back(std::move(mesh));
       }
-      auto made = std::make_shared<const SnapTargets>(std::move(usable));
-      {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        built_ = std::move(made);
-      }
-      wake_();
-    }));
-    building_ = true;
-  } catch (const std::system_error&) {
-    // No thread is available: there is no snapping.
-  }
-}
-
-std::shared_ptr<const SnapTargets> OtherLayers::targets() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (built_) {
-    targets_ = std::move(built_);
-    building_ = false;
-  }
-  return targets_;
+    }
+    return std::make_shared<const SnapTargets>(std::move(usable));
+  });
 }
 
 void OtherLayers::forget() {
   pieces_.clear();
   targets_ = nullptr;
-  fingerprint_.clear();  // so that read() discards targets that are being built
+  building_.cancel();
   next_ = 0;
   reading_ = false;
 }

@@ -4,10 +4,9 @@
 #include <Eigen/Geometry>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <vector>
 
-#include "lapedit/base/joined_thread.h"
+#include "lapedit/live/background_task.h"
 #include "lapedit/session/snap.h"
 #include "lapedit_host/tool/edit_tool.h"
 
@@ -18,15 +17,16 @@ class OtherLayers {
   static constexpr std::size_t kMostAtOnce = 20000;  ///< vertices or faces that one call reads
 
   /// @param wake  called, on any thread, when targets() may have changed
-  explicit OtherLayers(std::function<void()> wake) : wake_(std::move(wake)) {}
+  explicit OtherLayers(const std::function<void()>& wake) : building_(wake) {}
 
   /// Reads a piece if something is left to be read. Starts again if the layers' numbers of vertices or transforms have
   /// changed. It need not compare positions, since a filter that changes vertices ends the tool.
   /// @return whether to call again as soon as events have been handled
+  /// @throws std::runtime_error once, if the surfaces could not be had: then there are none, until the layers change
   bool read(const std::vector<lapedit::host::Layer>& layers, int edited);
   /// Returns the surfaces; null until they are ready.
-  std::shared_ptr<const lapedit::SnapTargets> targets();
-  bool busy() const { return reading_ || building_; }
+  const std::shared_ptr<const lapedit::SnapTargets>& targets() const { return targets_; }
+  bool busy() const { return reading_ || building_.busy(); }
   void forget();
 
  private:
@@ -38,16 +38,14 @@ class OtherLayers {
     std::size_t faces = 0;
     Eigen::Index vertexRows = 0, faceRows = 0;
   };
+  bool readNext(const std::vector<lapedit::host::Layer>& layers, int edited);
   bool readSome(Piece& piece);
   void build();
 
-  std::function<void()> wake_;
   std::vector<double> fingerprint_;
   std::vector<Piece> pieces_;
   std::size_t next_ = 0;
-  bool reading_ = false, building_ = false;
+  bool reading_ = false;
   std::shared_ptr<const lapedit::SnapTargets> targets_;
-  std::mutex mutex_;
-  std::shared_ptr<const lapedit::SnapTargets> built_;  // under the mutex
-  lapedit::JoinedThread work_;                         // last: its thread ends first
+  lapedit::BackgroundTask<std::shared_ptr<const lapedit::SnapTargets>> building_;
 };

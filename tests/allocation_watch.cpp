@@ -3,16 +3,20 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <limits>
 
 std::atomic<long> allocations{0};
 std::atomic<std::size_t> largest_allocation{0};
+std::atomic<std::size_t> refused_above{std::numeric_limits<std::size_t>::max()};
 
 namespace {
-[[maybe_unused]] void note(std::size_t size) {
+/// @return whether the allocation may succeed
+[[maybe_unused]] bool note(std::size_t size) {
   ++allocations;
   if (size > largest_allocation) {
     largest_allocation = size;
   }
+  return size <= refused_above;
 }
 }  // namespace
 #if defined(LAPEDIT_SANITIZER_ALLOCATES)
@@ -30,24 +34,19 @@ void* libc_realloc(void*, std::size_t) __asm__("__libc_realloc");
 void* libc_memalign(std::size_t, std::size_t) __asm__("__libc_memalign");
 
 void* watched_malloc(std::size_t size) {
-  note(size);
-  return libc_malloc(size);
+  return note(size) ? libc_malloc(size) : nullptr;
 }
 void* watched_calloc(std::size_t count, std::size_t size) {
-  note(count * size);
-  return libc_calloc(count, size);
+  return note(count * size) ? libc_calloc(count, size) : nullptr;
 }
 void* watched_realloc(void* memory, std::size_t size) {
-  note(size);
-  return libc_realloc(memory, size);
+  return note(size) ? libc_realloc(memory, size) : nullptr;
 }
 void* watched_aligned_alloc(std::size_t alignment, std::size_t size) {
-  note(size);
-  return libc_memalign(alignment, size);
+  return note(size) ? libc_memalign(alignment, size) : nullptr;
 }
 int watched_posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-  note(size);
-  *memory = libc_memalign(alignment, size);
+  *memory = note(size) ? libc_memalign(alignment, size) : nullptr;
   return *memory ? 0 : ENOMEM;
 }
 

@@ -8,3 +8,5 @@
 // hook of its own. In a program that links lapedit_allocation_watch.
 extern std::atomic<long> allocations;
 extern std::atomic<std::size_t> largest_allocation;
+// Larger allocations fail, except under a sanitizer.
+extern std::atomic<std::size_t> refused_above;

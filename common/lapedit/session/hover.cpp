@@ -3,14 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
-#include <system_error>
+#include <new>
 #include <tuple>
 #include <utility>
 
 #include "lapedit/mesh/distance_contour.h"
 #include "lapedit/mesh/protrusion.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/session/messages.h"
 
 namespace lapedit {
 namespace {
@@ -99,81 +99,65 @@ void HoverSearch::path(int from, int to, Points& positions) {
   positions = gather(mesh_.vertices, paths_.to(to));
 }
 
+/// Takes an answer, or stores the message of an error.
+template <class Answer>
+std::optional<Answer> HoverBackground::take(BackgroundTask<Answer>& task,
+                                            const std::shared_ptr<const TriangleMesh>& mesh) {
+  try {
+    return task.take();
+  } catch (const std::bad_alloc&) {
+    error_ = messages::kNoMemoryToSearch;
+  } catch (const std::exception& exception) {
+    error_ = exception.what();
+  }
+  failed_ = mesh;
+  coming_ = nullptr;
+  return std::nullopt;
+}
+
 HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh,
                                  const std::shared_ptr<const Adjacency>& adjacency) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (found_ && !(ready_ && ready_->mesh == mesh)) {  // keeps the search in use if it is over this mesh
-      ready_ = std::move(found_);
-      asked_ = Answer();  // frees the previous search
-      is_coming_ = false;
-    }
+  if (ready_ && ready_->mesh == mesh) {
+    return &ready_->search;  // stays in use, even if another one is ready
+  }
+  if (std::optional<std::shared_ptr<Made>> made = take(making_, coming_)) {
+    ready_ = std::move(*made);
+    asked_.reset();
+    finding_.cancel();
   }
   if (ready_ && ready_->mesh == mesh) {
+    coming_ = nullptr;
     return &ready_->search;
   }
-  if (!is_coming_) {
-    try {
-      making_ = JoinedThread(std::packaged_task<void()>([this, mesh, adjacency] {
-        auto made = std::make_shared<Made>(mesh, adjacency);
-        {
-          const std::lock_guard<std::mutex> lock(mutex_);
-          found_ = std::move(made);
-        }
-        wake_();
-      }));
-      is_coming_ = true;
-    } catch (const std::system_error&) {
-      // No thread is available: the next movement of the mouse tries again.
-    }
+  if (coming_ != mesh && !failed(mesh)) {
+    coming_ = mesh;
+    making_.start([mesh, adjacency] { return std::make_shared<Made>(mesh, adjacency); });
   }
   return nullptr;
 }
 
 const HoverOutlines* HoverBackground::outlines(const HoverQuery& query) {
-  if (ready_ == nullptr) {
+  if (ready_ == nullptr || failed(ready_->mesh)) {
     return nullptr;
   }
-  if (asked_.on != ready_ || !(asked_.query == query)) {
-    asked_ = {ready_, query, std::nullopt};
+  if (!asked_ || !(*asked_ == query)) {
+    asked_ = query;
+    outlines_.reset();
+    finding_.start([on = ready_, query] { return on->search.outlines(query); });
   }
-  take_answer();
-  if (!asked_.outlines && !is_finding_) {
-    find();
+  if (std::optional<HoverOutlines> found = take(finding_, ready_->mesh)) {
+    outlines_ = std::move(found);
+  } else if (failed(ready_->mesh)) {
+    asked_.reset();
   }
-  return asked_.outlines ? &*asked_.outlines : nullptr;
+  return outlines_ ? &*outlines_ : nullptr;
 }
 
-bool HoverBackground::finds_outlines() {
-  take_answer();
-  return is_finding_;
-}
-
-void HoverBackground::take_answer() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (answer_) {
-    is_finding_ = false;
-    if (answer_->on == asked_.on && answer_->query == asked_.query) {
-      asked_ = std::move(*answer_);
-    }
-    answer_.reset();
+std::string HoverBackground::poll() {
+  if (asked_) {
+    outlines(*asked_);
   }
-}
-
-void HoverBackground::find() {
-  try {
-    finding_ = JoinedThread(std::packaged_task<void()>([this, task = asked_]() mutable {
-      task.outlines = task.on->search.outlines(task.query);
-      {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        answer_ = std::move(task);
-      }
-      wake_();
-    }));
-    is_finding_ = true;
-  } catch (const std::system_error&) {  // no thread is available
-    asked_.outlines = asked_.on->search.outlines(asked_.query);
-  }
+  return std::exchange(error_, {});
 }
 
 }  // namespace lapedit

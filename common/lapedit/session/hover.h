@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "lapedit/base/joined_thread.h"
+#include "lapedit/live/background_task.h"
 #include "lapedit/mesh/ray_cast.h"
 #include "lapedit/mesh/symmetry.h"
 #include "lapedit/mesh/vertex_grid.h"
@@ -96,8 +96,8 @@ class HoverSearch {
 /// Makes HoverSearches and finds outlines on threads of its own, so that the window does not wait for one.
 class HoverBackground {
  public:
-  /// @param wake  called from another thread when a search or outlines are there
-  explicit HoverBackground(std::function<void()> wake) : wake_(std::move(wake)) {}
+  /// @param wake  called from another thread when a search, outlines or an error are there
+  explicit HoverBackground(const std::function<void()>& wake) : making_(wake), finding_(wake) {}
 
   /// Returns the search over a mesh, null until it is ready. Another mesh starts another search.
   HoverSearch* of(const std::shared_ptr<const TriangleMesh>& mesh, const std::shared_ptr<const Adjacency>& adjacency);
@@ -105,9 +105,14 @@ class HoverBackground {
   const HoverSearch* latest() const { return ready_ ? &ready_->search : nullptr; }
   /// Returns the outlines on the mesh of latest(), null until they are found: of several queries the last counts.
   const HoverOutlines* outlines(const HoverQuery& query);
-  bool finds_outlines();  ///< whether outlines are still to be found
+  bool finds_outlines() const { return finding_.busy(); }  ///< whether outlines are still to be found
+  /// Returns whether an error ended a search over this mesh or for outlines on it: none is tried until retry().
+  bool failed(const std::shared_ptr<const TriangleMesh>& mesh) const { return failed_ == mesh; }
+  void retry() { failed_ = nullptr; }
+  /// Takes outlines, and the message of an error since the last call; empty if there was none.
+  std::string poll();
   /// Waits for searches and outlines in progress. For tests.
-  void wait() { making_ = JoinedThread(), finding_ = JoinedThread(); }
+  void wait() { making_.wait(), finding_.wait(); }
 
  private:
   struct Made {
@@ -119,23 +124,16 @@ class HoverBackground {
     HoverSearch search;
   };
 
-  /// Outlines with their query.
-  struct Answer {
-    std::shared_ptr<Made> on;
-    HoverQuery query;
-    std::optional<HoverOutlines> outlines;  // none: not found yet
-  };
-  void take_answer();
-  void find();
+  template <class Answer>
+  std::optional<Answer> take(BackgroundTask<Answer>& task, const std::shared_ptr<const TriangleMesh>& mesh);
 
-  std::function<void()> wake_;
   std::shared_ptr<Made> ready_;
-  bool is_coming_ = false, is_finding_ = false;
-  Answer asked_;  // the last query
-  std::mutex mutex_;
-  std::shared_ptr<Made> found_;    // under the mutex
-  std::optional<Answer> answer_;   // under the mutex
-  JoinedThread making_, finding_;  // last: their threads end first
+  std::shared_ptr<const TriangleMesh> coming_, failed_;
+  std::optional<HoverQuery> asked_;  // the last query on the mesh of ready_
+  std::optional<HoverOutlines> outlines_;
+  std::string error_;
+  BackgroundTask<std::shared_ptr<Made>> making_;
+  BackgroundTask<HoverOutlines> finding_;
 };
 
 }  // namespace lapedit

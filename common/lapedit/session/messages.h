@@ -45,6 +45,8 @@ std::string dragging(const DragMotion& motion, bool by_button, bool full_frames)
 constexpr const char* kStillSettling =
     "The last step is still being computed: wait a moment, or press Backspace to cancel it.";
 constexpr const char* kNoSurface = "There is no surface of this layer under the cursor: click on the mesh.";
+constexpr const char* kNoMemoryToSearch =
+    "There is not enough memory to find the surface under the cursor: close other layers, then press again.";
 constexpr const char* kNoNormal = "The surface has no normal at the handle: lock X, Y or Z instead.";
 constexpr const char* kNoRegionVertices = "No vertices are selected: select some vertices or faces first.";
 constexpr const char* kNoComponent =

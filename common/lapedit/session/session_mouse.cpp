@@ -23,6 +23,7 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
     return true;
   }
   model_.refusal.clear();
+  model_.background.retry();
   if (const Dragging* const drag = solver_.in<Dragging>()) {
     if (!drag->by_button) {
       release_motion();
@@ -52,10 +53,19 @@ std::optional<SurfaceHit> SessionMouse::hit(const Cursor& cursor) {
 }
 
 void SessionMouse::poll() {
+  if (const std::string error = model_.background.poll(); !error.empty()) {
+    drop_waiting();
+    model_.log(messages::not_possible(error));
+    model_.refusal = error;
+  }
   if (!solver_.waits() && !searching() && !waiting_.empty()) {
     replay();
   }
   take_outlines();
+}
+
+bool SessionMouse::searching() {
+  return model_.search() == nullptr && !model_.background.failed(model_.history.mesh());
 }
 
 bool SessionMouse::wait() {
@@ -286,9 +296,9 @@ HoverQuery SessionMouse::query(const SurfaceHit& hit, const Camera& view, bool w
   return query;
 }
 
-/// Copies the outlines to the preview once they are found.
+/// Copies the outlines to the preview once they are found, unless a press waits for others.
 void SessionMouse::take_outlines() {
-  if (preview_ && wanted_) {
+  if (preview_ && wanted_ && waiting_.empty()) {
     if (const HoverOutlines* const found = model_.background.outlines(*wanted_)) {
       static_cast<HoverOutlines&>(*preview_) = *found;
     }

@@ -39,7 +39,7 @@ class SessionMouse {
   /// Handles the events that arrived while a step was solved, on the mesh after the step.
   void replay();
   void poll();  ///< also replays them, once the search over that mesh is ready, and takes outlines
-  bool searching() { return model_.search() == nullptr; }
+  bool searching();
   /// Waits for search and outlines. @return whether they were not ready. For tests.
   bool wait();
   /// Discards pressed buttons, and events that arrived while a step was solved.
