@@ -99,7 +99,7 @@ class Panel : public QDockWidget {
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
-  QComboBox* presetChoice();
+  QPushButton* resetButton();
   /// Creates a list for a value of the session that is not one of its settings.
   QComboBox* state(const char* part, const QStringList& choices, const QString& help,
                    const std::function<int(const lapedit::DragSession&)>& get,

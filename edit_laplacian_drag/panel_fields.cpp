@@ -8,7 +8,6 @@
 #include <QPushButton>
 #include <QSignalBlocker>
 #include <QSpinBox>
-#include "lapedit/session/presets.h"
 #include "panel.h"
 #include "panel_icons.h"
 #include "panel_widgets.h"
@@ -135,35 +134,17 @@ QComboBox* Panel::choice(const Setting& setting, const Access& access) {
   return box;
 }
 
-QComboBox* Panel::presetChoice() {
-  auto* const box = prepared<QComboBox>("preset", tr("Sets handle size, falloff and solver for a kind of surface"));
-  for (const Preset& preset : presets()) {
-    box->addItem(preset.name);
-    box->setItemData(box->count() - 1, tip(preset.help), Qt::ToolTipRole);
-  }
-  const int custom = box->count();
-  box->addItem(tr("Custom"));
-  box->setItemData(custom, tip(tr("Values that no preset has.")), Qt::ToolTipRole);
-  box->addItem(tr("Reset all settings"));
-  box->setItemData(custom + 1, tip(tr("All settings of the panel, as they were at first.")), Qt::ToolTipRole);
-  connect(box, QOverload<int>::of(&QComboBox::activated), this, [this, custom](int index) {
-    DragSettings settings = index > custom ? defaults_ : settings_;
-    if (index < custom) {
-      presets()[static_cast<std::size_t>(index)].set(settings);
-    }
-    change([settings, all = index > custom](DragSession& session) {
+QPushButton* Panel::resetButton() {
+  auto* const made = prepared<QPushButton>("defaults", tr("All settings of the panel, as they were at first"));
+  made->setText(tr("Reset all"));
+  connect(made, &QPushButton::clicked, this, [this] {
+    change([settings = defaults_](DragSession& session) {
       session.set_settings(settings);
-      if (all) {
-        session.set(&Tools::gizmo, false);
-        session.set(&Tools::axes, GizmoAxes::Layer);
-      }
+      session.set(&Tools::gizmo, false);
+      session.set(&Tools::axes, GizmoAxes::Layer);
     });
   });
-  shown_.push_back([box, custom](const DragSession& session) {
-    const int preset = preset_of(session.settings());
-    box->setCurrentIndex(preset >= 0 ? preset : custom);
-  });
-  return box;
+  return made;
 }
 
 QComboBox* Panel::state(const char* part, const QStringList& choices, const QString& help,

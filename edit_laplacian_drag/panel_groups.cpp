@@ -60,7 +60,7 @@ void Panel::addBasic() {
   click->setItemIcon(0, panelIcon("disc", palette()));
   click->setItemIcon(1, panelIcon("curve", palette()));
   row(tr("Click takes"), click);
-  row(tr("Preset"), presetChoice());
+  row(tr("Settings"), resetButton());
   row(tr("Turn about"),
       state(
           "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},

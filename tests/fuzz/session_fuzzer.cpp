@@ -11,7 +11,6 @@
 
 #include "drag_support.h"
 #include "lapedit/json/edit_script.h"
-#include "lapedit/session/presets.h"
 #include "random_mesh.h"
 
 using namespace lapedit;
@@ -36,9 +35,6 @@ DragSettings settings(Choices& choose, DragSettings result) {
   const Setting& setting =
       settings_table()[static_cast<std::size_t>(choose.below(static_cast<int>(settings_table().size())))];
   setting.set(result.edit, choose.below(5));
-  if (choose.below(4) == 0) {
-    presets()[static_cast<std::size_t>(choose.below(static_cast<int>(presets().size())))].set(result);
-  }
   return result;
 }
 

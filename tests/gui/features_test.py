@@ -30,7 +30,7 @@ class Start(ToolTest):
 
     def test_panel_leaves_the_picture_its_width(self):
         groups = ["last_step", "paint", "region", "advanced", "statistics"]
-        basic = ["radius", "handle_fraction", "mode", "preset", "pivot", "mirror", "gizmo", "move", "rotate", "scale",
+        basic = ["radius", "handle_fraction", "mode", "defaults", "pivot", "mirror", "gizmo", "move", "rotate", "scale",
                  "undo", "redo", "reset", "save", "load", "help"]
         with self.open(self.mesh) as w:
             w.close_widget("layerDialog")  # which is higher, and as wide, as it likes

@@ -11,24 +11,6 @@ UNKNOWN = "\u2013"
 
 
 class Values(ToolTest):
-    def test_presets_set_values_and_values_tell_the_preset(self):
-        with self.start(self.mesh, disc=20) as w:
-            self.assertEqual(w.widget(part("preset"))["currentText"], "General")
-            before = {n: w.widget(part(n)) for n in ("handle_fraction", "falloff", "membrane", "method")}
-            w.set(part("preset"), "Terrain")
-            self.assertEqual(w.widget(part("method"))["currentText"], "Linear")
-            self.assertEqual(w.widget(part("preset"))["currentText"], "Terrain")
-            w.set(part("membrane"), 7)
-            self.assertEqual(w.widget(part("preset"))["currentText"], "Custom")
-            w.set(part("preset"), "Custom")
-            self.assertEqual(w.widget(part("membrane"))["value"], 7)
-            self.pull(w, self.CENTRE, (10, 10))
-            step = self.steps_of(w)[0]
-            self.assertEqual((step["method"], step["handle_weight"], step["membrane"]), ("linear", 30, 7))
-            self.assertNotIn("Terrain", json.dumps(step))
-            w.set(part("preset"), "General")
-            self.assertEqual(before, {n: w.widget(part(n)) for n in before})
-
     def test_settings_are_remembered(self):
         with self.start(self.mesh, disc=33, gizmo=True) as w:
             w.set(part("method"), 2)
@@ -42,8 +24,8 @@ class Values(ToolTest):
                 for key in ("value", "currentIndex", "checked"):
                     self.assertEqual(now.get(key), before.get(key), name)
             self.assertNotEqual(w.widget(part("radius"))["value"], 0.2)  # a length belongs to its mesh
-            w.set(part("preset"), "Reset all settings")
-            self.assertEqual(w.widget(part("preset"))["currentText"], "General")
+            w.press_button(part("defaults"))
+            self.assertEqual(w.widget(part("method"))["currentIndex"], 0)
             self.assertEqual(w.widget(part("padding"))["value"], 10)
             self.assertEqual(w.widget(part("gizmo"))["currentIndex"], 0)
 

@@ -260,7 +260,7 @@ class Events:
         self.ask("set", name=part(name), value=SETTINGS[name](self.random))
 
     def choice(self):
-        """Mode, brush, gizmo, pivot, symmetry, preset: whatever lists the panel has."""
+        """Mode, brush, gizmo, pivot, symmetry: whatever lists the panel has."""
         name = self.random.choice(list(self.choices))
         self.ask("set", name=part(name), value=self.random.randrange(self.choices[name]["count"]))
 

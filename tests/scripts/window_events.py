@@ -57,7 +57,7 @@ def main():
                 window.idle()
                 window.key("Z", "Z", modifiers=["ctrl"])
                 window.set(part("clear"), True)
-                window.set(part("preset"), "Reset all settings")  # the radius is again that of what is pressed
+                window.press_button(part("defaults"))  # the radius is again that of what is pressed
     Pictures.made_by(measure)
     print(f"| event ({LAYERS} layers of {side * side:,} vertices) | median ms | largest ms |\n|---|---:|---:|")
     for name, values in times.items():

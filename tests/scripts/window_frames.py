@@ -153,7 +153,7 @@ def measure_handles(window):
               + f" | {statistics.median(rates):.0f} |", flush=True)
         window.trigger(TOOL)
         window.trigger(TOOL)
-        window.set(part("preset"), "Reset all settings")
+        window.press_button(part("defaults"))
         window.set(part("clear"), True)
         window.set(part("mode"), 0)
         window.trigger(TOOL)

@@ -8,7 +8,6 @@
 #include "drag_support.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
-#include "lapedit/session/presets.h"
 
 // Choosing what moves and what holds: discs, the brush, anchors, pieces that nothing holds.
 namespace lapedit::drag_choosing_test {
@@ -781,22 +780,6 @@ TEST(DragHover, WorkIsBounded) {
   ASSERT_NE(hover, nullptr);
   EXPECT_FALSE(hover->is_whole);
   EXPECT_EQ(hover->region.rows(), 0);
-}
-
-// --- Presets --------------------------------------------------------------------------------------------------------
-
-TEST(Presets, AreToldApartAndBeginWithTheDefaults) {
-  const TriangleMesh mesh = shapes::grid(10, 10);
-  EXPECT_EQ(preset_of(settings_for(mesh)), 0);
-  for (std::size_t i = 0; i < presets().size(); ++i) {
-    DragSettings settings = settings_for(mesh);
-    presets()[i].set(settings);
-    EXPECT_EQ(preset_of(settings), static_cast<int>(i));
-    EXPECT_EQ(settings.radius, settings_for(mesh).radius);
-    EXPECT_NO_THROW(validate(settings));
-    settings.edit.membrane += 1;
-    EXPECT_EQ(preset_of(settings), -1);
-  }
 }
 
 }  // namespace

@@ -509,6 +509,28 @@ TEST(DragSteps, UndoAndRedoAreExact) {
   EXPECT_TRUE(window.session.can_redo());
 }
 
+TEST(DragSteps, GoingBackPreparesOnceHoweverManyStepsItUndoes) {
+  Window window(plate());
+  for (const int x : {10, 20, -30}) {
+    window.drag(kMiddle, Vector2(x, 5));
+  }
+  const Points edited = window.host();
+  const auto prepared = [&](const auto& change) {  // each preparation shows its region
+    const int before = window.session.shown().region_serial();
+    change();
+    const int after = window.session.shown().region_serial();
+    window.session.wait();
+    return after - before;
+  };
+  const int one = prepared([&] { window.session.undo(); });
+  window.redo();
+  EXPECT_EQ(prepared([&] { window.session.go_to(0); }), one);
+  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
+  EXPECT_EQ(prepared([&] { window.session.go_to(3); }), one);
+  EXPECT_TRUE(same_bits(window.host(), edited));
+  window.expect_consistent();
+}
+
 TEST(DragSteps, UndoGoesBackToHandleAndRegionOfTheStep) {
   Window window(plate());
   window.drag(kMiddle, Vector2(20, 12));

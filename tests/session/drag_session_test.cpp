@@ -7,7 +7,6 @@
 #include <random>
 
 #include "drag_support.h"
-#include "lapedit/session/presets.h"
 
 namespace lapedit::drag_session_test {
 namespace {
@@ -371,9 +370,6 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         settings.edit.order = 1 + pick(2);  // 2 is refused
         settings.edit.iterations = 1 + pick(2);
         settings.falloff = static_cast<Falloff>(pick(4));
-        if (pick(4) == 0) {
-          presets()[static_cast<std::size_t>(pick(static_cast<int>(presets().size())))].set(settings);
-        }
         session.set_settings(settings);
         break;
       }

@@ -26,8 +26,6 @@ constexpr std::chrono::milliseconds kPause{50}, kLongestPause{1000};
 
 /// Region size, in vertices, from which previews exist; the preparation of smaller regions is fast enough.
 constexpr int kPreviewFrom = 12000;
-/// Region size, in vertices, from which PrepareTask::on_demand applies, since their preparation takes seconds.
-constexpr int kOnDemandFrom = 100000;
 
 /// Runs `work`. @return its error message for the user; empty if it succeeds
 template <class Function>
@@ -144,7 +142,6 @@ struct SolverThread::Impl {
 
   // Preparing.
   void prepare(const PrepareTask& task, int mine);
-  void begin_job(int mine);
   void prepare_in_background();
   void take_prepared(std::unique_lock<std::mutex>& lock);
   void make_cells(StepSolver& solver, const TriangleMesh& mesh);
@@ -245,8 +242,7 @@ void SolverThread::Impl::make_cells(StepSolver& solver, const TriangleMesh& mesh
   }
 }
 
-/// Makes a region and its cells. The background thread makes the system of a large region, at once or with the first
-/// solve().
+/// Makes a region and its cells. The background thread makes the system of a large region.
 void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   const Stopwatch watch;
   const Progress progress_here = progress_of(mine);
@@ -271,21 +267,13 @@ void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
   }
   work.solver = solver;
   work.generation = mine;
-  const bool deferred = task.on_demand && found.region->size() >= kOnDemandFrom && solver->has_frames();
   if (solver->has_frames()) {
     publish(mine, [&] {
       response.update.preview = true;
-      response.update.deferred = deferred;
       response.update.preview_ms = watch.elapsed();
     });
   }
   work.next_job = std::make_shared<Job>(Job{solver, task.mesh, watch, mine});
-  if (!deferred) {
-    begin_job(mine);
-  }
-}
-
-void SolverThread::Impl::begin_job(int mine) {
   {
     const std::lock_guard<std::mutex> lock(mutex);
     preparing = generation == mine;
@@ -468,9 +456,6 @@ void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
       solve(mine, last ? Answer::Last : Answer::Preview);
     } else {
       pose_cells(mine, last);
-      if (work.next_job && work.next_job->generation == mine) {
-        begin_job(mine);
-      }
     }
   });
   if (!error.empty()) {
@@ -571,10 +556,10 @@ SolverUpdate SolverThread::poll(SolverPose& pose) {
   return update;
 }
 
-bool SolverThread::wait() {
+bool SolverThread::wait(std::chrono::milliseconds longest) {
   std::unique_lock<std::mutex> lock(impl_->mutex);
   Impl& s = *impl_;
-  s.responded.wait(lock, [&s] {
+  s.responded.wait_for(lock, longest, [&s] {
     // usable() may read the solver only while the solver thread is idle. The thread is busy again for a moment if it
     // has yet to free discarded data.
     return s.response.is_new || (!s.working && !s.is_preview() && !s.preparing && !s.request.prepare &&

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,7 +21,6 @@ struct PrepareTask {
   StoredScalar scalar = StoredScalar::Float;      ///< precision that poses are rounded to
   std::vector<std::vector<double>> weights = {};  ///< per group, as HandleGroup::weights; empty: 1
   std::optional<MirrorPlane> mirror = {};         ///< as StepOptions::mirror; groups and region are mirrored already
-  bool on_demand = false;  ///< a very large region gets its cells only, and the remainder with the first solve()
 };
 
 /// A mesh and the steps to apply to it.
@@ -42,7 +42,6 @@ struct SolverPose {
 struct SolverUpdate {
   std::shared_ptr<const Region> region;  ///< with classified vertices: can be shown, not yet dragged
   bool preview = false;                  ///< solve() has responses, possibly from the cells alone
-  bool deferred = false;                 ///< with preview: the remainder follows with the first solve()
   double preview_ms = 0;                 ///< time from the request to that state
   bool ready = false;                    ///< prepared: solve() has responses from the system
   double prepare_ms = 0;                 ///< time of all stages, once ready
@@ -85,9 +84,9 @@ class SolverThread {
   /// avoid allocations
   SolverUpdate poll(SolverPose& pose);
 
-  /// Waits until poll() has new results or the solver thread is idle; for tests and for leaving. @return whether there
-  /// are results
-  bool wait();
+  /// Waits until poll() has new results or the solver thread is idle, at most for some time. @return whether there are
+  /// results
+  bool wait(std::chrono::milliseconds longest = std::chrono::hours(1));
 
   bool busy() const;          ///< whether requests are unanswered, reports not counted
   double progress() const;    ///< of preparing or applying, 0 to 1

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/drag_session.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -331,12 +332,18 @@ bool DragSession::can_redo() const {
   return !model_.timeline.undone().empty() && !solver_.in_progress();
 }
 
-/// Undoes the last action, or redoes the one undone last.
-void DragSession::undo_or_redo(bool again) {
-  const std::size_t steps = model_.history.steps().size();
-  if (const AppliedStep* const step = again ? model_.redo() : model_.undo()) {
-    model_.log(messages::step_changed(again ? steps + 1 : steps, again ? "redone" : "undone"));
-    solver_.take_over(*step, again);
+/// Undoes the last actions, or redoes those undone last, and prepares the region once.
+void DragSession::undo_or_redo(bool again, std::size_t actions) {
+  bool is_step = false;
+  for (; actions > 0; --actions) {
+    const std::size_t steps = model_.history.steps().size();
+    is_step = again ? model_.redo() : model_.undo();
+    model_.log(is_step ? messages::step_changed(again ? steps + 1 : steps, again ? "redone" : "undone")
+               : again ? messages::kStrokeRedone
+                       : messages::kStrokeUndone);
+  }
+  if (is_step) {
+    solver_.take_over(again);
     return;
   }
   if (model_.selection.region.kind == RegionSpec::Kind::Vertices && model_.selection.has_region) {
@@ -345,7 +352,6 @@ void DragSession::undo_or_redo(bool again) {
     model_.show_region(nullptr);
   }
   solver_.handles_changed();
-  model_.log(again ? messages::kStrokeRedone : messages::kStrokeUndone);
 }
 
 void DragSession::undo() {
@@ -358,7 +364,7 @@ void DragSession::undo() {
   if (model_.timeline.done().empty()) {
     model_.refusal = messages::kNothingToUndo;
   } else {
-    undo_or_redo(false);
+    undo_or_redo(false, 1);
   }
 }
 
@@ -369,7 +375,7 @@ void DragSession::redo() {
   if (model_.timeline.undone().empty()) {
     model_.refusal = messages::kNothingToRedo;
   } else {
-    undo_or_redo(true);
+    undo_or_redo(true, 1);
   }
 }
 
@@ -377,11 +383,9 @@ void DragSession::go_to(std::size_t actions) {
   if (!settle_down()) {
     return;
   }
-  while (timeline().done().size() > actions) {
-    undo_or_redo(false);
-  }
-  while (timeline().done().size() < actions && !timeline().undone().empty()) {
-    undo_or_redo(true);
+  const std::size_t done = timeline().done().size(), wanted = std::min(actions, done + timeline().undone().size());
+  if (wanted != done) {
+    undo_or_redo(wanted > done, wanted > done ? wanted - done : done - wanted);
   }
 }
 

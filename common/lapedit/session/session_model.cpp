@@ -150,27 +150,28 @@ void SessionModel::back_to_mesh(bool settled) {
   }
 }
 
-const AppliedStep* SessionModel::undo() {
+bool SessionModel::undo() {
   Action& action = timeline.undo();
   Selection now = std::exchange(selection, with_padding(action.before, settings));
-  if (!action.is_step) {
+  if (action.is_step) {
+    const AppliedStep& step = history.undo();
+    tools.mirror = step.step.mirror;
+    show(step.vertices, step.before, true);
+  } else {
     action.after = std::move(now);
-    return nullptr;
   }
-  const AppliedStep& step = history.undo();
-  show(step.vertices, step.before, true);
-  return &step;
+  return action.is_step;
 }
 
-const AppliedStep* SessionModel::redo() {
+bool SessionModel::redo() {
   const Action& action = timeline.redo();
   selection = with_padding(action.after, settings);
-  if (!action.is_step) {
-    return nullptr;
+  if (action.is_step) {
+    const AppliedStep& step = history.redo();
+    tools.mirror = step.step.mirror;
+    show(step.vertices, step.after, true);
   }
-  const AppliedStep& step = history.redo();
-  show(step.vertices, step.after, true);
-  return &step;
+  return action.is_step;
 }
 
 const PoseChange* SessionModel::take_change() {

@@ -112,9 +112,9 @@ struct SessionModel {
   /// Shows a painted region before its distances are known.
   void show_by_hand();
   void back_to_mesh(bool settled);
-  /// Undoes the last action of the timeline, or redoes the one undone last. @return its step, null for a stroke
-  const AppliedStep* undo();
-  const AppliedStep* redo();
+  /// Undoes the last action of the timeline, or redoes the one undone last. @return whether it was a step
+  bool undo();
+  bool redo();
   const PoseChange* take_change();
 
  private:

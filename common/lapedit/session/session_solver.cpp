@@ -67,7 +67,7 @@ void SessionSolver::request_preparation(PrepareTask task) {
   worker_.prepare(std::move(task));
 }
 
-void SessionSolver::prepare(bool on_demand) {
+void SessionSolver::prepare() {
   figures_.preview_ms = figures_.prepare_ms = std::nullopt;
   ToolState& tools = model_.tools;
   tools.mirrored.reset();
@@ -77,8 +77,8 @@ void SessionSolver::prepare(bool on_demand) {
     worker_.cancel();
     return;
   }
-  PrepareTask task{model_.history.mesh(), model_.adjacency,  selection.region, selection.groups, model_.settings.edit,
-                   model_.scalar,         selection.weights, tools.mirror,     on_demand};
+  PrepareTask task{model_.history.mesh(), model_.adjacency, selection.region,  selection.groups,
+                   model_.settings.edit,  model_.scalar,    selection.weights, tools.mirror};
   if (tools.mirror) {
     try {
       tools.mirrored =
@@ -193,7 +193,6 @@ void SessionSolver::request() {
     drag.maps.assign(model_.all_groups().size(), HandleMotion());
   }
   drag.last_serial = worker_.solve(drag.maps, drag.released);
-  preparation_.running = !preparation_.ready;
   drag.first_serial = std::min(drag.first_serial, drag.last_serial);
 }
 
@@ -332,14 +331,13 @@ void SessionSolver::load(Edit edit) {
   phase_ = Loading{std::move(edit), amendable()};
 }
 
-void SessionSolver::take_over(const AppliedStep& step, bool applied) {
-  model_.tools.mirror = step.step.mirror;
+void SessionSolver::take_over(bool applied) {
   figures_ = DragFigures();
   model_.shown.await(nullptr);
   if (model_.shown.region()) {
     model_.show_region(model_.shown.region());
   }
-  prepare(true);
+  prepare();
   rest(applied);
 }
 
@@ -407,7 +405,8 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
       model_.log(messages::loaded_step_advice(k + 1, advice));
     }
   }
-  take_over(model_.history.steps().back(), true);
+  model_.tools.mirror = model_.history.steps().back().step.mirror;
+  take_over(true);
 }
 
 /// Prepares the next drag from the current mesh in the same region.
@@ -416,7 +415,7 @@ void SessionSolver::progress() {
   model_.selection = with_region_kept(surface(), model_.selection);
   model_.timeline.change_last().after = model_.selection;
   phase_ = Picked{true};
-  prepare(true);
+  prepare();
 }
 
 // --- Answers ---------------------------------------------------------------------------------------------------------
@@ -497,7 +496,6 @@ SessionSolver::Response SessionSolver::poll() {
   }
   if (update.preview) {
     preparation_.has_preview = true;
-    preparation_.running = !update.deferred || in_progress();
     figures_.preview_ms = update.preview_ms;
   }
   if (update.ready) {

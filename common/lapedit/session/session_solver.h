@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -124,8 +125,7 @@ class SessionSolver {
 
   // Regions ----------------------------------------------------------------------------------------------------------
 
-  /// @param on_demand  as PrepareTask::on_demand
-  void prepare(bool on_demand = false);
+  void prepare();
   /// Prepares after a change of groups or region.
   void handles_changed();
   /// Ends a drag or amendment. @param amendable  whether settings still apply to the last step
@@ -152,14 +152,14 @@ class SessionSolver {
   /// @param open  only shows the result: another change follows
   void amend_path(const HandleTransform& motion, double fraction, bool open);
   void load(Edit edit);
-  /// Selects handle and region of a step. @param applied  whether the step is applied, so that settings apply to it
-  void take_over(const AppliedStep& step, bool applied);
+  /// Prepares the region after undone or redone steps. @param applied  whether settings apply to the last step
+  void take_over(bool applied);
 
   // Answers ----------------------------------------------------------------------------------------------------------
 
   enum class Response { None, Some, Step };  ///< Step: the awaited step has been applied
   Response poll();
-  bool wait() { return worker_.wait(); }
+  bool wait(std::chrono::milliseconds longest = std::chrono::hours(1)) { return worker_.wait(longest); }
 
  private:
   void request_preparation(PrepareTask task);
