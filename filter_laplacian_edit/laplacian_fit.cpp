@@ -90,5 +90,6 @@ FilterAction laplacianFit() {
       [](const ParameterValues& values, CMeshO& host, const Progress& progress) {
         const auto make = [&](const BridgedMesh&) { return fitOf(values, host); };
         return write_edited(host, edit_mesh(host, make, 1, progress));
-      }};
+      },
+      true};
 }

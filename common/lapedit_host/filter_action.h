@@ -82,6 +82,7 @@ struct FilterAction {
   /// Runs the filter. Changes the mesh at the very end, when no error can occur. @throws std::exception whose what() is
   /// the message for the user
   std::function<FilterOutcome(const ParameterValues&, CMeshO&, const Progress&)> run;
+  bool reads_named_layer = false;  ///< another layer than the current one, by a parameter
 };
 
 }  // namespace lapedit::host

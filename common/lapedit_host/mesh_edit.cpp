@@ -11,6 +11,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/edit/positions.h"
 #include "lapedit/mesh/coordinate_space.h"
+#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit_host/pose_writer.h"
 #include "lapedit_vcg/self_intersections.h"
 
@@ -119,7 +120,16 @@ ScanReader layer_reader(const std::vector<DocumentLayer>& layers, const CMeshO& 
   };
 }
 
-EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, const Progress& progress) {
+std::string transform_note(const CMeshO& layer) {
+  CMeshO untransformed;
+  untransformed.Tr.SetIdentity();
+  return map_between(untransformed, layer).matrix().isIdentity(0)
+             ? ""
+             : " The layer has a transform, and points are in its own coordinates, before the transform: give such a "
+               "point, or freeze the layer's matrix first.";
+}
+
+EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, const Progress& progress) try {
   const ProgressScope scope(progress);
   EditedMesh edited;
   edited.bridged = read_mesh(host);
@@ -132,6 +142,8 @@ EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, 
   edited.pose = std::move(apply_edit(mesh, edited.adjacency, edit, selection, {fraction}, kStoredScalar).front());
   count_self_intersections(mesh, edited.pose, kFewVertices);
   return edited;
+} catch (const OffSurface& error) {
+  throw OffSurface(error.cause(), error.what() + transform_note(host), error.vertex());
 }
 
 FilterOutcome write_edited(CMeshO& host, const EditedMesh& edited) {

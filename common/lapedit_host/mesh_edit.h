@@ -27,6 +27,10 @@ const DocumentLayer& layer_named(const std::vector<DocumentLayer>& layers, const
 /// (BadParameter) if the other transform has no inverse
 Affine map_between(const CMeshO& from, const CMeshO& to);
 
+/// Returns what to add to the refusal of a point off the surface: a sentence if the layer has a transform, since users
+/// may give the point as they see it.
+std::string transform_note(const CMeshO& layer);
+
 /// Reads scans from layers, in the coordinates of a layer. The arguments must outlive the result.
 ScanReader layer_reader(const std::vector<DocumentLayer>& layers, const CMeshO& into);
 
@@ -43,7 +47,8 @@ struct EditedMesh {
 /// Reads the mesh, applies the edit and counts new self-intersections in meshes of up to 20,000 moved vertices, which
 /// takes up to a fifth of the time. Does not change the host mesh.
 /// @param fraction  how far the handles go, 0 to 1
-/// @throws EditError as read_mesh(), validate() and apply_edit(), and what `make` throws
+/// @throws EditError as read_mesh(), validate() and apply_edit(), and what `make` throws; OffSurface with
+///         transform_note()
 EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, const Progress& progress);
 
 /// Writes the pose into the host mesh and reports it.

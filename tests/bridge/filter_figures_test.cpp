@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <QAction>
 #include <string>
 #include <vector>
 
+#include "filter_laplacian_edit.h"
 #include "host_support.h"
+#include "lapedit/base/error.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit_host/mesh_edit.h"
 #include "shapes.h"
@@ -44,6 +47,36 @@ TEST(FilterFigures, AreNumbersAndTruthValuesOnly) {
     const std::string type = value.typeName();
     EXPECT_TRUE(type == "bool" || type == "int" || type == "double") << name << " is a " << type;
   }
+}
+
+// --- Layers ---------------------------------------------------------------------------------------------------------
+
+TEST(Filters, FitDeclaresThatItReadsAnotherLayer) {
+  const FilterLaplacianEdit plugin;
+  for (QAction* const action : plugin.actions()) {
+    const bool fits = action->text() == "Laplacian Fit";
+    EXPECT_EQ(plugin.filterArity(action), fits ? FilterLaplacianEdit::FIXED : FilterLaplacianEdit::SINGLE_MESH);
+  }
+}
+
+TEST(Filters, RefusalOfAPointOffTheSurfaceNamesTheTransformOfTheLayer) {
+  CMeshO host;
+  fill(host, shapes::grid(11, 11));
+  host.Tr.SetIdentity();  // as MeshLab does
+  const auto refusal = [&host](const char* steps) {
+    try {
+      edit_mesh(host, [steps](const BridgedMesh&) { return load_edit(steps); }, 1, {});
+    } catch (const EditError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  constexpr char kAway[] = R"({"laplacian_edit": 1, "steps": [
+      {"region": {"radius": 4}, "handles": [{"points": [[50, 5, 0]], "translation": [0, 0, 1]}]}]})";
+  EXPECT_NE(refusal(kAway).find("away from the nearest vertex"), std::string::npos);
+  EXPECT_EQ(refusal(kAway).find("transform"), std::string::npos);
+  host.Tr.SetTranslate(45, 0, 0);
+  EXPECT_NE(refusal(kAway).find("The layer has a transform"), std::string::npos);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/mesh/vertex_finder.h"
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 
 namespace lapedit {
@@ -36,11 +35,11 @@ VertexFinder::Found VertexFinder::on_surface(const Vector3& point, const std::st
                                              const std::string& advice) const {
   const Found found = anywhere(point, what);
   if (found.distance > kFar * diagonal_) {
-    throw EditError(ErrorCause::BadParameter, what + " " + place_text(point) + " is " + number_text(found.distance) +
-                                                  " away from the nearest vertex, number " +
-                                                  std::to_string(found.vertex) +
-                                                  ", more than a tenth of the mesh's bounding-box diagonal (" +
-                                                  number_text(diagonal_) + "): " + advice + ".");
+    throw OffSurface(ErrorCause::BadParameter, what + " " + place_text(point) + " is " + number_text(found.distance) +
+                                                   " away from the nearest vertex, number " +
+                                                   std::to_string(found.vertex) +
+                                                   ", more than a tenth of the mesh's bounding-box diagonal (" +
+                                                   number_text(diagonal_) + "): " + advice + ".");
   }
   return found;
 }

@@ -3,9 +3,15 @@
 
 #include <string>
 
+#include "lapedit/base/error.h"
 #include "lapedit/mesh/vertex_grid.h"
 
 namespace lapedit {
+
+/// The refusal of a point that is too far from the surface.
+struct OffSurface : EditError {
+  using EditError::EditError;
+};
 
 /// Finds the vertices of a mesh nearest to points. Only vertices with a face and finite coordinates count.
 class VertexFinder {
@@ -22,8 +28,8 @@ class VertexFinder {
   static constexpr double kFar = 0.1;
 
   /// Returns the nearest vertex, the lowest number of several. @param what  names the point in a refusal
-  /// @throws EditError (NotFinite, BadParameter) if the point is not finite, or farther from every vertex than a tenth
-  ///         of the bounding box's diagonal
+  /// @throws EditError (NotFinite) if the point is not finite; OffSurface (BadParameter) if it is farther from every
+  ///         vertex than a tenth of the bounding box's diagonal
   Found on_surface(const Vector3& point, const std::string& what,
                    const std::string& advice = "give a point on the surface") const;
   /// The same at any distance. @throws EditError (NotFinite)

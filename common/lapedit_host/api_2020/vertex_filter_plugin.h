@@ -24,7 +24,9 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
   QString filterInfo(FilterIDType id) const override { return filter(id).info; }
   QString filterScriptFunctionName(FilterIDType id) override { return filter(id).python_name; }
   FilterClass getClass(QAction*) override { return Smoothing; }
-  FILTER_ARITY filterArity(QAction*) const override { return SINGLE_MESH; }
+  FILTER_ARITY filterArity(QAction* action) const override {
+    return filter(ID(action)).reads_named_layer ? FIXED : SINGLE_MESH;
+  }
   int getPreConditions(QAction*) const override { return MeshModel::MM_FACENUMBER; }
   int postCondition(QAction*) const override {
     return MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;

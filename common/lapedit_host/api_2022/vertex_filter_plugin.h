@@ -31,7 +31,9 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
   QString pythonFilterName(ActionIDType id) const override { return filter(id).python_name; }
   QString filterInfo(ActionIDType id) const override { return filter(id).info; }
   FilterClass getClass(const QAction*) const override { return Smoothing; }
-  FilterArity filterArity(const QAction*) const override { return SINGLE_MESH; }
+  FilterArity filterArity(const QAction* action) const override {
+    return filter(ID(action)).reads_named_layer ? FIXED : SINGLE_MESH;
+  }
   int getPreConditions(const QAction*) const override { return MeshModel::MM_FACENUMBER; }
   int postCondition(const QAction*) const override {
     return MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
