@@ -37,6 +37,12 @@ QString filterScript(const QByteArray& edit) {
   return text + "\n";
 }
 
+QFileDialog* newDialog(QWidget* parent, const char* title, const QString& suggested) {
+  auto* const dialog = new QFileDialog(parent, title, QFileInfo(suggested).path());
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  return dialog;
+}
+
 }  // namespace
 
 QString editFileFor(const lapedit::host::Layer& layer) {
@@ -44,18 +50,30 @@ QString editFileFor(const lapedit::host::Layer& layer) {
   return mesh.absoluteDir().filePath(mesh.completeBaseName() + ".laplacian.json");
 }
 
-std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& suggested) {
-  QFileDialog dialog(parent, "Save edit", QFileInfo(suggested).path());
-  dialog.setNameFilters({kEdits, kScripts});
-  dialog.setAcceptMode(QFileDialog::AcceptSave);
-  dialog.setDefaultSuffix("json");
-  QObject::connect(&dialog, &QFileDialog::filterSelected, &dialog,
-                   [&dialog](const QString& filter) { dialog.setDefaultSuffix(filter == kScripts ? "mlx" : "json"); });
-  dialog.selectFile(suggested);
-  if (dialog.exec() != QDialog::Accepted) {
-    return {};
+QFileDialog* saveDialog(QWidget* parent, const QString& suggested) {
+  QFileDialog* const dialog = newDialog(parent, "Save edit", suggested);
+  dialog->setNameFilters({kEdits, kScripts});
+  dialog->setAcceptMode(QFileDialog::AcceptSave);
+  dialog->setDefaultSuffix("json");
+  QObject::connect(dialog, &QFileDialog::filterSelected, dialog,
+                   [dialog](const QString& filter) { dialog->setDefaultSuffix(filter == kScripts ? "mlx" : "json"); });
+  dialog->selectFile(suggested);
+  dialog->open();
+  return dialog;
+}
+
+QFileDialog* loadDialog(QWidget* parent, const QString& suggested) {
+  QFileDialog* const dialog = newDialog(parent, "Load edit", suggested);
+  dialog->setNameFilter(kEdits);
+  dialog->setFileMode(QFileDialog::ExistingFile);
+  if (QFileInfo::exists(suggested)) {
+    dialog->selectFile(suggested);
   }
-  const QString path = dialog.selectedFiles().constFirst();
+  dialog->open();
+  return dialog;
+}
+
+std::string saveEdit(const QString& path, const lapedit::Edit& edit) {
   const QByteArray json = QByteArray::fromStdString(lapedit::write_edit(edit));
   const QByteArray text = path.endsWith(".mlx") ? filterScript(json).toUtf8() : json;
   QSaveFile file(path);
@@ -63,14 +81,4 @@ std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& 
     return QString("The edit could not be written to %1: %2.").arg(path, file.errorString()).toStdString();
   }
   return QString("The edit was saved as %1.").arg(path).toStdString();
-}
-
-std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested, const lapedit::TriangleMesh& mesh) {
-  // The dialog proposes an existing file only.
-  const QString begin = QFileInfo::exists(suggested) ? suggested : QFileInfo(suggested).path();
-  const QString path = QFileDialog::getOpenFileName(parent, "Load edit", begin, kEdits);
-  if (path.isEmpty()) {
-    return std::nullopt;
-  }
-  return lapedit::load_edit(path.toStdString(), &mesh);
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <QString>
-#include <optional>
 #include <string>
 
 #include "lapedit/edit/edit.h"
@@ -10,16 +9,17 @@
 
 /// Saving and loading edits in the window.
 
+class QFileDialog;
 class QWidget;
 
 /// Returns the default file of a layer's edit: <mesh>.laplacian.json in the folder of the mesh.
 QString editFileFor(const lapedit::host::Layer& layer);
 
-/// Asks for a file and writes the edit into it, as JSON or, if its name ends in .mlx, as a
-/// filter script. @param suggested  the file that the dialog proposes
-/// @return a line for the user, empty if no file was chosen
-std::string saveEdit(QWidget* parent, const lapedit::Edit& edit, const QString& suggested);
+/// Opens a dialog that asks for a file, and returns at once: QFileDialog::fileSelected() has the answer. The dialog
+/// deletes itself.
+/// @param suggested  the file that the dialog proposes, to load only if it exists
+QFileDialog* saveDialog(QWidget* parent, const QString& suggested);
+QFileDialog* loadDialog(QWidget* parent, const QString& suggested);
 
-/// Asks for a file and reads it. @return `std::nullopt` if no file was chosen
-/// @throws EditError (BadScript)
-std::optional<lapedit::Edit> loadEdit(QWidget* parent, const QString& suggested, const lapedit::TriangleMesh& mesh);
+/// Writes an edit as JSON or, if the file's name ends in .mlx, as a filter script. @return a line for the user
+std::string saveEdit(const QString& path, const lapedit::Edit& edit);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "laplacian_drag_tool.h"
 
+#include <QFileDialog>
 #include <QMainWindow>
 #include <QTimer>
 #include <QToolTip>
+#include <chrono>
 #include <map>
 #include <utility>
 #include <vector>
@@ -23,6 +25,9 @@ Eigen::Vector3i sizeOf(const Layer& layer) {
   return {layer.id, layer.mesh->vn, layer.mesh->fn};
 }
 
+/// How long leaving a layer waits for a released drag, which many are solved in.
+constexpr std::chrono::milliseconds kLongestFinish{50};
+
 double milliseconds(const QElapsedTimer& timer) {
   return static_cast<double>(timer.nsecsElapsed()) * 1e-6;
 }
@@ -38,6 +43,10 @@ LaplacianDragTool::LaplacianDragTool(HostWindow& window)
 LaplacianDragTool::~LaplacianDragTool() {
   if (shared_) {
     shared_->end(*this);
+    for (const auto& [session, layer] : shared_->left(this)) {
+      session->leftBy = nullptr;
+      session->session().cancel();
+    }
   }
 }
 
@@ -95,8 +104,12 @@ bool LaplacianDragTool::start() {
   const bool resume =
       known != nullptr && known->wasLeftLike(*layer->mesh) &&
       (known->inHistory.isEmpty() || window_.removeFromHistory("Laplacian Edit Replay", known->inHistory));
+  if (known != nullptr && known->leftBy != nullptr && !resume) {
+    finishLeft(*known, layer->id, true);
+  }
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
+    active_->leftBy = nullptr;
   } catch (const EditError& error) {
     say(error.what());
     refused_ = sizeOf(*layer);
@@ -154,12 +167,14 @@ void LaplacianDragTool::sessionGone() {
 
 /// Ends the session of a deleted layer. MeshLab sends no other signal when the last layer is deleted.
 void LaplacianDragTool::layersChanged() {
-  if (active_ && !window_.layer(layer_)) {
-    shared_->forget(layer_);
-    sessionGone();
-    nothing_ = tr("There is no mesh: open one first.");
-    refreshPanel();
-  }
+  guarded([this] {
+    if (active_ && !window_.layer(layer_)) {
+      shared_->forget(*active_);
+      sessionGone();
+      nothing_ = tr("There is no mesh: open one first.");
+      refreshPanel();
+    }
+  });
 }
 
 /// Gives the view back to MeshLab.
@@ -171,31 +186,95 @@ void LaplacianDragTool::leaveCanvas() {
   on_ = false;
 }
 
-/// Keeps applied steps and cancels a drag in progress. @param forGood  false: another view continues the session
+/// Keeps applied steps and cancels a drag in progress. A released drag that is still being solved follows later, see
+/// finishLeft(). @param forGood  false: another view continues the session
 void LaplacianDragTool::leaveLayer(bool forGood) {
   disconnect(&shared_->panel(), nullptr, this, nullptr);
-  const auto layer = layer_ >= 0 ? window_.layer(layer_) : std::nullopt;
-  if (active_ && !layer) {
-    shared_->forget(layer_);
+  CMeshO* const mesh = layer_ >= 0 ? meshOf(layer_) : nullptr;
+  if (active_ && !mesh) {
+    shared_->forget(*active_);
   } else if (active_) {
-    DragSession& session = active_->session();
-    session.leave();
-    session.finish();
-    const LayerSession::Update update = active_->update(*layer->mesh);
-    if (update == LayerSession::Update::Passing || update == LayerSession::Update::Settled) {
-      window_.uploadGeometry(layer_);
+    active_->session().leave();
+    const bool isFinished = active_->session().finish(kLongestFinish);
+    const LayerSession::Update update = write(*active_, layer_);
+    active_->leave(*mesh);
+    if (forGood && !isFinished) {
+      active_->leftBy = this;
+    } else if (forGood) {
+      conclude(*active_, update == LayerSession::Update::MeshChanged);
     }
-    if (forGood) {
-      const Edit edit = session.recorded();
-      if (!edit.steps.empty() && update != LayerSession::Update::MeshChanged) {
-        active_->inHistory = QString::fromStdString(write_edit(edit));
-        window_.appendToHistory("Laplacian Edit Replay", active_->inHistory, 1);
-      }
-      session.keep_painted();  // frees the factorisation, which takes much memory
-    }
-    active_->leave(*layer->mesh);
   }
   sessionGone();
+}
+
+/// Writes what has moved into the layer's mesh, and shows it.
+LayerSession::Update LaplacianDragTool::write(LayerSession& session, int layer) {
+  CMeshO* const mesh = meshOf(layer);
+  const LayerSession::Update update = mesh ? session.update(*mesh) : LayerSession::Update::Nothing;
+  if (update == LayerSession::Update::Passing || update == LayerSession::Update::Settled) {
+    window_.uploadGeometry(layer);
+  }
+  if (update == LayerSession::Update::Settled) {
+    window_.markModified(layer);
+  }
+  return update;
+}
+
+/// Ends the use of a session whose layer is left. @param meshChanged  by other code
+void LaplacianDragTool::conclude(LayerSession& session, bool meshChanged) {
+  const Edit edit = session.session().recorded();
+  if (!edit.steps.empty() && !meshChanged) {
+    session.inHistory = QString::fromStdString(write_edit(edit));
+    window_.appendToHistory("Laplacian Edit Replay", session.inHistory, 1);
+  }
+  if (session.session().has_steps()) {
+    session.session().keep_painted();  // frees the factorisation, which takes much memory
+  } else {
+    shared_->keepInheritance(session);
+  }
+}
+
+/// Writes a drag that was left while it was being solved, or cancels it if other code has changed the mesh.
+void LaplacianDragTool::finishLeft(LayerSession& session, int layer, bool now) {
+  guarded([&] {
+    CMeshO* const mesh = meshOf(layer);
+    if (mesh && window_.loading() && !now) {
+      shared_->pollSoon();  // a filter may be reading the mesh
+      return;
+    }
+    const bool isSame = mesh && session.matches(*mesh);
+    const auto isSolving = [&] { return session.session().state() == DragSession::State::Settling; };
+    if (isSame) {
+      session.session().poll();
+      if (isSolving() && !now) {
+        return;  // called again
+      }
+    }
+    if (isSolving()) {
+      session.session().cancel();
+      window_.log("The drag released last was cancelled: the layer was changed or closed before it was solved.");
+    }
+    session.leftBy = nullptr;
+    if (!mesh) {
+      shared_->forget(session);
+      return;
+    }
+    if (isSame) {
+      write(session, layer);
+      window_.repaint();
+    }
+    session.leave(*mesh);
+    conclude(session, !isSame);
+  });
+}
+
+/// Cancels the drags that are still being solved, since the view is closed.
+void LaplacianDragTool::finishAllLeft() {
+  if (shared_) {
+    for (const auto& [session, layer] : shared_->left(this)) {
+      finishLeft(*session, layer, true);
+    }
+  }
 }
 
 CMeshO* LaplacianDragTool::meshOf(int layer) {
@@ -238,8 +317,10 @@ void LaplacianDragTool::readOthers() {
     readQueued_ = true;
     QTimer::singleShot(0, this, [this] {
       readQueued_ = false;
-      guarded([this] { readOthers(); });
-      refreshPanel();
+      guarded([this] {
+        readOthers();
+        refreshPanel();
+      });
     });
   }
 }
@@ -260,19 +341,14 @@ void LaplacianDragTool::afterEvent() {
   if (!active_) {
     return;
   }
-  CMeshO* const mesh = meshOf(layer_);
-  const LayerSession::Update update = mesh ? active_->update(*mesh) : LayerSession::Update::Nothing;
+  QElapsedTimer writing;
+  writing.start();
+  const LayerSession::Update update = write(*active_, layer_);
   if (update == LayerSession::Update::MeshChanged) {
     start();
   } else if (update != LayerSession::Update::Nothing) {
-    QElapsedTimer upload;
-    upload.start();
-    window_.uploadGeometry(layer_);
-    clock_.poseArrived(active_->session().figures().solve_ms.value_or(0), active_->writeMilliseconds(),
-                       milliseconds(upload));
-    if (update == LayerSession::Update::Settled) {
-      window_.markModified(layer_);
-    }
+    const double written = active_->writeMilliseconds();
+    clock_.poseArrived(active_->session().figures().solve_ms.value_or(0), written, milliseconds(writing) - written);
   }
   readOthers();
   refreshPanel();
@@ -327,29 +403,52 @@ void LaplacianDragTool::command(const QString& part) {
       {"undo", [&] { session.undo(); }},
       {"redo", [&] { session.redo(); }},
       {"reset", [&] { session.go_to(0); }},
-      {"save",
-       [&] {
-         const std::string line = saveEdit(window_.mainWindow(), session.saved(), editFileFor(*layer));
-         if (!line.empty()) {
-           say(line);
-         }
-       }},
-      {"load",
-       [&] {
-         if (const auto edit = loadEdit(window_.mainWindow(), editFileFor(*layer), session.original())) {
-           std::vector<DocumentLayer> layers;
-           for (const Layer& each : window_.layers()) {
-             layers.push_back({each.name, each.file.toStdString(), each.mesh});
-           }
-           const Edit whole = with_scans(*edit, layer_reader(layers, *layer->mesh));
-           session.load(in_space(whole, space_of_file(layer->file.toStdString())));
-         }
-       }},
+      {"save", [&] { askToSave(*layer); }},
+      {"load", [&] { askToLoad(*layer); }},
   };
   const auto found = commands.find(part);
   if (found != commands.end()) {
     found->second();
   }
+  takeKeys();
+  afterEvent();
+}
+
+// A dialog does not wait for its answer, since anything may happen to the session while it is open.
+
+void LaplacianDragTool::askToSave(const Layer& layer) {
+  const QFileDialog* const dialog = saveDialog(window_.mainWindow(), editFileFor(layer));
+  const auto save = [this, edit = active_->session().saved()](const QString& path) {
+    guarded([&] {
+      say(saveEdit(path, edit));
+      takeKeys();
+      window_.repaint();
+    });
+  };
+  connect(dialog, &QFileDialog::fileSelected, this, save, Qt::QueuedConnection);
+}
+
+void LaplacianDragTool::askToLoad(const Layer& layer) {
+  const QFileDialog* const dialog = loadDialog(window_.mainWindow(), editFileFor(layer));
+  const auto open = [this, id = layer.id](const QString& path) { guarded([&] { load(path, id); }); };
+  connect(dialog, &QFileDialog::fileSelected, this, open, Qt::QueuedConnection);
+}
+
+/// Applies a saved edit to a layer, which has to be the current one still.
+void LaplacianDragTool::load(const QString& path, int id) {
+  const auto layer = usableLayer();
+  if (!layer || layer->id != id) {
+    say(tr("The edit was not loaded, since the layer is not the current one any more: switch to it, and load again.")
+            .toStdString());
+    return;
+  }
+  std::vector<DocumentLayer> layers;
+  for (const Layer& each : window_.layers()) {
+    layers.push_back({each.name, each.file.toStdString(), each.mesh});
+  }
+  const Edit edit =
+      with_scans(load_edit(path.toStdString(), &active_->session().original()), layer_reader(layers, *layer->mesh));
+  active_->session().load(in_space(edit, space_of_file(layer->file.toStdString())), transform_note(*layer->mesh));
   takeKeys();
   afterEvent();
 }

@@ -43,6 +43,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   CMeshO* meshOf(int layer) override;
   void log(const std::string& line) override { window_.log(line); }
   void poll() override;
+  void finishLeft(LayerSession& session, int layer, bool now) override;
   std::shared_ptr<const lapedit::SnapTargets> findTargets() override { return others_.targets(); }
 
   bool eventFilter(QObject* object, QEvent* event) override;
@@ -56,12 +57,16 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   bool isStale();
   void openPanel();
   void leaveLayer(bool forGood);
+  LayerSession::Update write(LayerSession& session, int layer);
+  void conclude(LayerSession& session, bool meshChanged);
+  void finishAllLeft();
   void leaveCanvas();
   lapedit::Cursor cursor() const;
   lapedit::PressModifiers pressModifiers() const;
   void hover();
   void modifiersChanged(int key);
   void cancelMotion();
+  bool handle(QEvent& event);
   bool escape(QEvent& event);
   Qt::CursorShape shape() const;
   void showShape();
@@ -71,6 +76,9 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   bool poseIsComing() const;
   void framePainted();
   void command(const QString& part);
+  void askToSave(const lapedit::host::Layer& layer);
+  void askToLoad(const lapedit::host::Layer& layer);
+  void load(const QString& path, int layer);
   void takeKeys();
   LinePicture::Line line(bool usable);
   QVector<QPointF> notToCover() const;

@@ -7,6 +7,8 @@
 #include "lapedit/session/drag_session.h"
 #include "lapedit_host/pose_writer.h"
 
+class SessionUser;
+
 /// A dragging session with the mesh of one layer; writes poses into the mesh.
 class LayerSession {
  public:
@@ -38,7 +40,8 @@ class LayerSession {
     return lapedit::host::selected_vertices_and_corners(mesh, coreVertex_);
   }
 
-  QString inHistory;  ///< the last edit in the document's history
+  QString inHistory;              ///< the last edit in the document's history
+  SessionUser* leftBy = nullptr;  ///< who left the session with a released drag to be solved; null: none
 
  private:
   LayerSession(const CMeshO& mesh, const lapedit::host::BridgedMesh& bridged,

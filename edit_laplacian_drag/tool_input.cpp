@@ -70,26 +70,33 @@ void LaplacianDragTool::takeKeys() {
   }
 }
 
-/// Handles events that MeshLab does not pass to tools, and measures drawing: the picture is on the screen once the
-/// paint event is over.
+/// Receives events that MeshLab does not pass to tools.
 bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
-  switch (event->type()) {
+  bool isHandled = false;
+  guarded([&] { isHandled = handle(*event); });
+  return isHandled || QObject::eventFilter(object, event);
+}
+
+/// Handles an event before the view does, and measures drawing: the picture is on the screen once the paint event is
+/// over. @return whether the view shall not get the event
+bool LaplacianDragTool::handle(QEvent& event) {
+  switch (event.type()) {
     case QEvent::Paint:
       if (poseIsComing()) {
         return true;
       }
       clock_.paintBegins();
       QMetaObject::invokeMethod(
-          this, [this] { framePainted(); }, Qt::QueuedConnection);
+          this, [this] { guarded([this] { framePainted(); }); }, Qt::QueuedConnection);
       break;
     case QEvent::ShortcutOverride:
-      if (isOfWindow(sessionKey(static_cast<QKeyEvent&>(*event)))) {
-        event->accept();
+      if (isOfWindow(sessionKey(static_cast<QKeyEvent&>(event)))) {
+        event.accept();
         return true;
       }
-      return escape(*event);
+      return escape(event);
     case QEvent::KeyPress:
-      return escape(*event);
+      return escape(event);
     case QEvent::Enter:
       takeKeys();
       break;
@@ -101,12 +108,13 @@ bool LaplacianDragTool::eventFilter(QObject* object, QEvent* event) {
       }
       break;
     case QEvent::DeferredDelete:  // the view is being closed
-      guarded([this] { end(); });
+      end();
+      finishAllLeft();
       break;
     default:
       break;
   }
-  return QObject::eventFilter(object, event);
+  return false;
 }
 
 /// Handles Esc before MeshLab does: it hides the table of keys, cancels a motion or computation, or ends painting.
@@ -138,14 +146,12 @@ bool LaplacianDragTool::escape(QEvent& event) {
 }
 
 void LaplacianDragTool::cancelMotion() {
-  guarded([this] {
-    if (active_) {
-      mouse_.pressed = false;
-      notice_.clear();
-      active_->session().cancel();
-      afterEvent();
-    }
-  });
+  if (active_) {
+    mouse_.pressed = false;
+    notice_.clear();
+    active_->session().cancel();
+    afterEvent();
+  }
 }
 
 Cursor LaplacianDragTool::cursor() const {

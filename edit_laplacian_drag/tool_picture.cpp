@@ -61,13 +61,7 @@ double distanceAbout(const CMeshO& mesh, const Vector3& point) {
 void LaplacianDragTool::draw() {
   if (isStale()) {
     QMetaObject::invokeMethod(
-        this,
-        [this] {
-          if (isStale()) {
-            start();
-          }
-        },
-        Qt::QueuedConnection);
+        this, [this] { guarded([this] { isStale() && start(); }); }, Qt::QueuedConnection);
   }
   const auto layer = usableLayer();
   const QWidget& canvas = window_.canvas();
@@ -97,7 +91,7 @@ void LaplacianDragTool::draw() {
     if (window_.suspended() && session.motion()) {
       // MeshLab's button or menu has suspended the tool. Cancel after drawing, since no upload is possible during it.
       QMetaObject::invokeMethod(
-          this, [this] { cancelMotion(); }, Qt::QueuedConnection);
+          this, [this] { guarded([this] { cancelMotion(); }); }, Qt::QueuedConnection);
     }
   }
   drawLine(line(layer.has_value()));

@@ -5,7 +5,10 @@
 #include <QMainWindow>
 #include <QMdiArea>
 #include <QMdiSubWindow>
+#include <QTimer>
+#include <algorithm>
 #include <iterator>
+#include <system_error>
 #include <utility>
 
 namespace {
@@ -89,16 +92,48 @@ void WindowSessions::end(SessionUser& user) {
   }
 }
 
+std::vector<std::pair<LayerSession*, int>> WindowSessions::left(const SessionUser* user) const {
+  std::vector<std::pair<LayerSession*, int>> found;
+  for (const auto& [key, known] : sessions_) {
+    const SessionUser* const by = known.session ? known.session->leftBy : nullptr;
+    if (by != nullptr && (user == nullptr || by == user)) {
+      found.emplace_back(known.session.get(), key.second);
+    }
+  }
+  return found;
+}
+
+void WindowSessions::poll() {
+  if (user_) {
+    user_->poll();
+  }
+  for (const auto& [session, layer] : left()) {
+    finishing_ = session->leftBy;
+    finishing_->finishLeft(*session, layer, false);
+    finishing_ = nullptr;
+  }
+}
+
+void WindowSessions::pollSoon() {
+  constexpr int kPause = 100;  // milliseconds
+  QTimer::singleShot(kPause, this, &WindowSessions::poll);
+}
+
 LayerSession* WindowSessions::find(int layer) {
   const auto found = sessions_.find({document_, layer});
-  return found != sessions_.end() ? found->second.get() : nullptr;
+  return found != sessions_.end() ? found->second.session.get() : nullptr;
+}
+
+WindowSessions::Sessions::iterator WindowSessions::find(const LayerSession& session) {
+  return std::find_if(sessions_.begin(), sessions_.end(),
+                      [&session](const auto& known) { return known.second.session.get() == &session; });
 }
 
 LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
   lapedit::DragSession::Callbacks callbacks;
   callbacks.log = [this](const std::string& line) {
-    if (user_) {
-      user_->log(line);
+    if (SessionUser* const user = finishing_ ? finishing_ : user_) {
+      user->log(line);
     }
   };
   callbacks.wake = [this] {
@@ -107,9 +142,7 @@ LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
           this,
           [this] {
             pollQueued_ = false;
-            if (user_) {
-              user_->poll();
-            }
+            poll();
           },
           Qt::QueuedConnection);
     }
@@ -117,24 +150,54 @@ LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
   callbacks.find_targets = [this] { return user_ ? user_->findTargets() : nullptr; };
   auto made = std::make_unique<LayerSession>(mesh, callbacks);
   connect(document_, &QObject::destroyed, this, &WindowSessions::forgetDocument, Qt::UniqueConnection);
-  std::unique_ptr<LayerSession>& known = sessions_[{document_, layer}];
-  if (known) {
-    made->session().succeed(known->session());
+  Known& known = sessions_[{document_, layer}];
+  if (known.session) {
+    known.left = known.session->session().inheritance();
+  }
+  if (known.left) {
+    made->session().inherit(*known.left);
+    known.left.reset();
   } else {
     panel_->remembered().bringTo(made->session());
   }
-  known = std::move(made);
-  return *known;
+  endLater(std::exchange(known.session, std::move(made)));
+  return *known.session;
 }
 
-void WindowSessions::forget(int layer) {
-  sessions_.erase({document_, layer});
+/// Deletes a session on another thread, since its threads end only when they have noticed it.
+void WindowSessions::endLater(std::unique_ptr<LayerSession> session) {
+  if (session == nullptr) {
+    return;
+  }
+  try {
+    ending_ = lapedit::JoinedThread([previous = std::move(ending_), last = std::move(session)]() mutable {
+      last.reset();
+      previous = lapedit::JoinedThread();
+    });
+  } catch (const std::system_error&) {
+    // No thread is available: the session was deleted with the task.
+  }
+}
+
+void WindowSessions::keepInheritance(const LayerSession& session) {
+  Known& known = find(session)->second;
+  known.left = known.session->session().inheritance();
+  endLater(std::move(known.session));
+}
+
+WindowSessions::Sessions::iterator WindowSessions::erase(Sessions::iterator known) {
+  endLater(std::move(known->second.session));
+  return sessions_.erase(known);
+}
+
+void WindowSessions::forget(const LayerSession& session) {
+  erase(find(session));
 }
 
 void WindowSessions::forgetGone() {
   for (auto known = sessions_.begin(); known != sessions_.end();) {
     const bool gone = known->first.first == document_ && user_ && user_->meshOf(known->first.second) == nullptr;
-    known = gone ? sessions_.erase(known) : std::next(known);
+    known = gone ? erase(known) : std::next(known);
   }
 }
 
@@ -146,6 +209,6 @@ void WindowSessions::forgetDocument(const QObject* document) {
     hidePanel();
   }
   for (auto known = sessions_.begin(); known != sessions_.end();) {
-    known = known->first.first == document ? sessions_.erase(known) : std::next(known);
+    known = known->first.first == document ? erase(known) : std::next(known);
   }
 }

@@ -6,9 +6,12 @@
 #include <atomic>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "lapedit/base/joined_thread.h"
 #include "layer_session.h"
 #include "panel.h"
 
@@ -25,6 +28,9 @@ class SessionUser {
   virtual CMeshO* meshOf(int layer) = 0;  ///< null if it was deleted
   virtual void log(const std::string& line) = 0;
   virtual void poll() = 0;  ///< called when the session has results
+  /// Called when a session with LayerSession::leftBy has results. @param now  whether to cancel a drag that is not
+  /// solved
+  virtual void finishLeft(LayerSession& session, int layer, bool now) = 0;
   virtual std::shared_ptr<const lapedit::SnapTargets> findTargets() = 0;
 
  protected:
@@ -48,30 +54,48 @@ class WindowSessions : public QObject {
   /// Makes this the user of the panel, and notifies the previous one.
   void begin(SessionUser& user, QObject* document, int layer);
   void end(SessionUser& user);  ///< no effect if it is not the current user
+  /// Returns the sessions with LayerSession::leftBy, and their layers. @param user  null: of all users
+  std::vector<std::pair<LayerSession*, int>> left(const SessionUser* user = nullptr) const;
+  void pollSoon();  ///< as if a session had results
   bool isUsedBy(const SessionUser& user) const { return user_ == &user; }
 
   // Layers of the user's document.
 
   LayerSession* find(int layer);
-  /// Makes a session. It replaces an earlier one of the layer, whose settings and painted vertices it keeps.
-  /// @throws EditError if the mesh cannot be edited
+  /// Makes a session. It inherits from an earlier one of the layer. @throws EditError if the mesh cannot be edited
   LayerSession& make(int layer, const CMeshO& mesh);
-  void forget(int layer);
+  /// Deletes a session that has no steps, but not what a later one inherits.
+  void keepInheritance(const LayerSession& session);
+  void forget(const LayerSession& session);
   /// Deletes sessions of deleted layers.
   void forgetGone();
 
  private:
   using Key = std::pair<const QObject*, int>;  // layer ids are unique in a document
 
+  /// What is known of a layer: a session, or what a later one inherits.
+  struct Known {
+    std::unique_ptr<LayerSession> session;
+    std::optional<lapedit::Inheritance> left;
+  };
+  using Sessions = std::map<Key, Known>;
+
   explicit WindowSessions(QWidget& window);
+  void poll();
+  Sessions::iterator find(const LayerSession& session);
+  Sessions::iterator erase(Sessions::iterator known);
+  void endLater(std::unique_ptr<LayerSession> session);
   void forgetDocument(const QObject* document);
   void followProject();
 
   QPointer<Panel> panel_;
   QMdiArea* projects_;  // null if there is none
   SessionUser* user_ = nullptr;
-  QObject* document_ = nullptr;  // the user's
+  SessionUser* finishing_ = nullptr;  // who finishes a session that was left, during the call
+  QObject* document_ = nullptr;       // the user's
   int layer_ = -1;
   std::atomic<bool> pollQueued_{false};
-  std::map<Key, std::unique_ptr<LayerSession>> sessions_;  // last: their threads end first
+  // Last: their threads end first.
+  Sessions sessions_;
+  lapedit::JoinedThread ending_;
 };

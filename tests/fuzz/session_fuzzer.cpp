@@ -142,7 +142,7 @@ struct Player {
         window.view = support::view_from(10 * direction(choose), mesh.vertices.row(0).transpose());
         break;
       default:
-        session().finish();
+        session().finish({});
     }
   }
 
@@ -178,7 +178,7 @@ struct Player {
 
   void check() {
     DragSession& s = session();
-    s.finish();
+    s.finish({});
     settle();
     require(s.state() != DragSession::State::Dragging && s.state() != DragSession::State::Settling,
             "finish() leaves nothing in progress");

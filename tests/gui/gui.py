@@ -338,6 +338,9 @@ class Window(XProgram):
         self.ask("resize", width=width, height=height)
         self.idle()
 
+    def threads(self):
+        return len(list(pathlib.Path(f"/proc/{self.process.pid}/task").iterdir()))
+
     def quit(self):
         """As a user would, changes thrown away."""
         self.ask("quit")

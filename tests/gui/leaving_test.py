@@ -133,23 +133,77 @@ class Leave(LeavingTest):
             self.assertEqual(w.tool(), (TOOL, False))
         self.check(leave)
 
-    def test_what_was_released_is_applied_even_if_it_is_not_solved_yet(self):
-        rows = 141  # takes part of a second to prepare, longer than a batch
+    ROWS_OF_LARGE = 181  # takes part of a second to prepare, longer than a batch and than the tool waits
+
+    @contextlib.contextmanager
+    def released(self, *then):
+        """A window where a drag on a large mesh is released and the tool left at once, without a pause before `then`."""
+        rows = self.ROWS_OF_LARGE
         mesh = write_ply(self.folder / "large.ply", *dome(rows, rows))
         with self.start(mesh) as w:
             w.set(part("radius"), 1.3)
-            w.set(part("method"), 2)
+            before = w.dump()
             x, y = w.pixel(rows * rows // 2)
             mouse = {"command": "mouse", "button": "left", "modifiers": []}
             w.batch([{**mouse, "type": "press", "x": x, "y": y}, {**mouse, "type": "move", "x": x + 20, "y": y},
                      {**mouse, "type": "move", "x": x + 40, "y": y - 30}, {**mouse, "type": "release", "x": x + 40, "y": y - 30},
-                     {"command": "print", "text": "released"}, {"command": "trigger", "text": TOOL}])
-            w.idle()
-            step = next(k for k, line in enumerate(w.output) if "step 1" in line)
-            self.assertLess(w.output.index("released"), step)
+                     {"command": "trigger", "text": TOOL}, {"command": "print", "text": "left"}, *then])
+            yield w, before, mesh
+
+    def wait_for_step(self, w):
+        w.wait(lambda: self.steps_in_log(w), "the released drag is not applied", 60)
+        self.assertEqual(len(self.steps_in_log(w)), 1)
+        self.assertLess(w.output.index("left"), next(k for k, line in enumerate(w.output) if "step 1" in line),
+                        "leaving has waited")
+
+    def test_released_drag_is_applied_after_the_tool_was_left(self):
+        with self.released() as (w, _, mesh):
+            self.wait_for_step(w)
             self.assertEqual(w.tool()[0], "")
-            self.assertEqual(len(self.steps_in_log(w)), 1)
             self.assert_gives(replay(w.history()[0]["texts"]["edit"]), mesh, w.dump())
+
+    def test_released_drag_is_applied_after_the_tool_was_left_and_started_again(self):
+        with self.released({"command": "trigger", "text": TOOL}) as (w, before, mesh):
+            self.wait_for_step(w)
+            w.idle()
+            self.assertEqual(w.tool(), (TOOL, False))
+            self.assert_replay_is_the_same(w, mesh)
+            w.press_button(part("undo"))
+            self.assert_same(before, w.dump())
+
+    def test_layer_is_deleted_or_meshlab_quits_before_a_released_drag_is_solved(self):
+        with self.released() as (w, _, _):
+            w.layer(remove=True)
+            self.assertEqual(w.layers(), [])
+        with self.released() as (w, _, _):
+            w.quit()
+
+    def test_layer_without_a_step_keeps_no_thread(self):
+        def left(w, layer):
+            w.layer(layer, current=True)
+            w.trigger(TOOL)
+            w.click(*w.pixel(self.CENTRE))
+            w.trigger(TOOL)
+            return w.threads()
+
+        with self.open(*[self.mesh] * 3) as w:
+            w.trigger("Front")
+            first = left(w, 0)  # other threads of the process may have begun with the tool
+            for layer in (1, 2):
+                left(w, layer)
+                w.wait(lambda: w.threads() <= first, f"layer {layer} keeps threads", 20)
+
+    def test_dialog_outlives_the_layer(self):
+        with self.start(self.mesh, self.mesh) as w:
+            w.layer(0, current=True)
+            self.pull(w, self.CENTRE, (20, -20))
+            edit = self.saved_edit(w)
+            for name in ("save", "load"):
+                w.press_button(part(name), wait=False)
+                w.wait_dialog()
+                w.layer(remove=True)
+                w.answer(path=self.folder / "outlived.json" if name == "save" else edit)
+            self.assertEqual((self.folder / "outlived.json").read_text(), edit.read_text())
 
     def test_by_a_filter(self):
         for name in ("Invert Selection", "Laplacian Smooth"):

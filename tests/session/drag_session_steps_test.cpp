@@ -727,7 +727,7 @@ TEST(DragSteps, AreSavedAndPaintedVerticesStayAfterOtherCodeChangedTheMesh) {
   before.drag(kMiddle, Vector2(10, 5));
   const auto succeed = [](const DragSession& old, const TriangleMesh& mesh) {
     auto next = std::make_unique<Window>(mesh);
-    next->session.succeed(old);
+    next->session.inherit(old.inheritance());
     return next;
   };
   TriangleMesh smoothed = before.session.mesh();

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <random>
+#include <thread>
 
 #include "drag_support.h"
 
@@ -180,7 +183,7 @@ TEST(DragSession, FinishAppliesWhatWasReleasedAndDropsWhatIsHeld) {
   released.press(kMiddle);
   released.session.move(released.at(kMiddle, Vector2(50, 20)));
   released.session.release(released.at(kMiddle, Vector2(50, 20)));
-  released.session.finish();
+  EXPECT_TRUE(released.session.finish(std::chrono::hours(1)));
   EXPECT_EQ(released.session.recorded().steps.size(), 1U);
   released.expect_consistent();
 
@@ -189,9 +192,37 @@ TEST(DragSession, FinishAppliesWhatWasReleasedAndDropsWhatIsHeld) {
   held.press(kMiddle);
   held.session.move(held.at(kMiddle, Vector2(50, 20)));
   held.session.wait();
-  held.session.finish();
+  EXPECT_TRUE(held.session.finish({}));
   EXPECT_EQ(held.session.recorded().steps.size(), 0U);
   EXPECT_TRUE(same_bits(held.host(), held.session.original().vertices));
+}
+
+TEST(DragSession, FinishDoesNotWaitLongerThanItMayAndTheStepFollows) {
+  const TriangleMesh mesh = hills();
+  std::atomic<bool> held{false};
+  DragSession session(support::stored(mesh), StoredScalar::Float, {{}, [&held] {
+                                                                     while (held) {  // the solver thread
+                                                                       std::this_thread::yield();
+                                                                     }
+                                                                   }});
+  const Camera view = support::view_from_above(mesh.vertices);
+  const Vector2 from = view.pixel(mesh.vertices.row(kMiddle).transpose());
+  session.searching();
+  session.wait();
+  DragSettings settings = session.settings();
+  settings.first_radius = 0;
+  session.set_settings(settings);
+  held = true;
+  session.press({view, from});
+  session.move({view, from + Vector2(50, 20)});
+  session.release({view, from + Vector2(50, 20)});
+  EXPECT_FALSE(session.finish(std::chrono::milliseconds(1)));
+  EXPECT_EQ(session.state(), State::Settling);
+  EXPECT_TRUE(session.recorded().steps.empty());
+  held = false;
+  session.wait();
+  EXPECT_EQ(session.recorded().steps.size(), 1U);
+  EXPECT_TRUE(session.take_change()->settled);
 }
 
 TEST(DragSession, MouseWhileAStepIsWorkedOutIsNotLost) {
@@ -417,11 +448,10 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
         break;
       case 19:
         if (pick(8) == 0) {
-          session.finish();
-        } else {
-          session.wait();
-          ASSERT_FALSE(session.busy()) << "event " << event;
+          session.finish({});
         }
+        session.wait();
+        ASSERT_FALSE(session.busy()) << "event " << event;
         ASSERT_NE(session.state(), State::Settling) << "event " << event;
         break;
       default:
@@ -430,18 +460,19 @@ TEST(DragSession, AnyEventsLeaveAConsistentSession) {
     ASSERT_TRUE(window.host().allFinite()) << "event " << event;
     ASSERT_FALSE(session.message().empty());
     if (event % 100 == 99) {
-      session.finish();
+      session.finish({});
       session.wait();
       ASSERT_TRUE(same_bits(window.host(), session.mesh().vertices)) << "event " << event;
     }
     if (session.figures().steps > 12) {
-      session.finish();
+      session.finish({});
+      session.wait();
       window.expect_consistent();
       session.go_to(0);
       ASSERT_TRUE(same_bits(window.host(), session.original().vertices)) << "event " << event;
     }
   }
-  window.session.finish();
+  window.session.finish({});
   window.session.wait();
   window.expect_consistent();
   window.session.go_to(0);

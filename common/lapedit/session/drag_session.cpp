@@ -7,6 +7,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/edit/positions.h"
+#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 
@@ -298,25 +299,28 @@ void DragSession::keep_painted() {
   change_region([](const Surface& s, const Selection& now) { return Choice(only_painted(now, s.settings)); });
 }
 
-void DragSession::succeed(const DragSession& before) {
-  Tools tools = before.tools();
-  tools.paint.reset();
+Inheritance DragSession::inheritance() const {
+  return {tools(), settings(), saved(), recorded(), only_painted(selection(), settings())};
+}
+
+void DragSession::inherit(const Inheritance& before) {
+  Tools tools = before.tools;
   tools.pivot = tools.pivot == Pivot::Point ? Pivot::Centroid : tools.pivot;
   set_tools(tools);
-  DragSettings settings = before.settings();
+  DragSettings settings = before.settings;
   if (settings.first_radius > 0) {  // the radius is that of a protrusion
     settings.radius = settings.handle_scale = settings.first_radius;
   }
   set_settings(settings);
-  earlier_ = before.saved();
-  const Faces &now = original().faces, &then = before.original().faces;
-  if (original().vertices.rows() == before.original().vertices.rows() && now.rows() == then.rows() && now == then) {
-    Selection painted = only_painted(before.selection(), settings);
+  earlier_ = before.saved;
+  const Edit now = recorded();
+  if (now.mesh_vertices == before.recorded.mesh_vertices && now.connectivity == before.recorded.connectivity) {
+    Selection painted = before.painted;
     painted.held = painted.region.held = model_.weld.firsts(std::move(painted.held));
     painted.region.vertices = model_.weld.firsts(std::move(painted.region.vertices));
     change_region([&painted](const Surface&, const Selection&) { return Choice(std::move(painted)); });
   }
-  if (const std::size_t lost = before.model_.history.steps().size(); lost > 0) {
+  if (const std::size_t lost = before.recorded.steps.size(); lost > 0) {
     model_.refusal = messages::steps_lost(lost);
     model_.log(model_.refusal);
   }
@@ -393,11 +397,13 @@ Edit DragSession::saved() const {
   return model_.history.can_undo() ? with_positions(original(), *model_.adjacency, recorded()) : earlier_;
 }
 
-void DragSession::load(Edit edit) {
+void DragSession::load(Edit edit, const std::string& off_surface) {
   cancel();
   mouse_.forget();
   try {
     solver_.load(located(*model_.given_mesh(), *model_.given_adjacency, std::move(edit)));
+  } catch (const OffSurface& error) {
+    model_.refusal = error.what() + off_surface;
   } catch (const EditError& error) {
     model_.refusal = error.what();
   }
@@ -416,13 +422,21 @@ bool DragSession::poll() {
   return response != SessionSolver::Response::None;
 }
 
-void DragSession::finish() {
+bool DragSession::finish(std::chrono::milliseconds longest) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point until = Clock::now() + longest;
+  const auto is_released = [this] { return solver_.in<Dragging>() && solver_.waits(); };
   mouse_.end_stroke();
   mouse_.forget();
-  while (solver_.in<Dragging>() && solver_.waits() && solver_.wait()) {
+  while (is_released() && solver_.wait(std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()))) {
     poll();
   }
+  if (is_released()) {
+    model_.back_to_mesh(true);  // until the exact pose is there
+    return false;
+  }
   cancel();
+  return true;
 }
 
 void DragSession::wait() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -24,6 +25,16 @@
 //   const Edit edit = session.recorded();                  // for apply_edit(), or to be written as JSON
 
 namespace lapedit {
+
+/// What a later session with the same mesh, or with one that other code has changed, takes over. Its size depends on
+/// steps and painted vertices only.
+struct Inheritance {
+  Tools tools;
+  DragSettings settings;
+  Edit saved;         ///< see DragSession::saved()
+  Edit recorded;      ///< steps that cannot be undone any more; counts and connectivity of the mesh
+  Selection painted;  ///< see DragSession::keep_painted(); for a mesh with the same faces
+};
 
 /// One dragging session with one mesh: the interactive tool without its window.
 ///
@@ -152,9 +163,10 @@ class DragSession {
   void whole_component();                       ///< the connected components of the handles
   void clear();                                 ///< no region, no handle, no fixed vertices
   void keep_painted();                          ///< no handle; only a painted region, and the fixed vertices
-  /// Continues with a mesh that other code has changed, before anything is done: takes over settings and switches, if
-  /// the faces are the same what keep_painted() keeps, and for saved() the steps, which cannot be undone any more.
-  void succeed(const DragSession& before);
+  Inheritance inheritance() const;
+  /// Continues an earlier session, before anything is done: takes over settings and switches, if the faces are the same
+  /// what was painted, and for saved() the steps.
+  void inherit(const Inheritance& before);
 
   // Steps ------------------------------------------------------------------------------------------------------------
 
@@ -167,19 +179,22 @@ class DragSession {
   const Timeline& timeline() const { return model_.timeline; }
   /// Returns the applied steps, with counts and connectivity of the mesh.
   Edit recorded() const { return model_.history.recorded(); }
-  /// Returns the same with positions, see with_positions(), or else the steps before succeed().
+  /// Returns the same with positions, see with_positions(), or else the steps before inherit().
   Edit saved() const;
+  bool has_steps() const { return model_.history.can_undo() || model_.history.can_redo(); }  ///< applied or undone
   bool can_save() const { return model_.history.can_undo() || !earlier_.steps.empty(); }
   /// Applies the steps of an edit to the current mesh as steps of this session, in the background.
-  void load(Edit edit);
+  /// @param off_surface  appended to the refusal of a point off the surface
+  void load(Edit edit, const std::string& off_surface = {});
 
   // Worker -----------------------------------------------------------------------------------------------------------
 
   /// Takes the worker's results. @return whether there is anything new to show
   bool poll();
-  /// Waits for a released drag and applies it, and cancels all other work in progress: afterwards the state is not
-  /// Dragging or Settling.
-  void finish();
+  /// Ends what is in progress, when the user leaves: waits some time for a released drag, and cancels all other work.
+  /// @return false if the drag is still being solved: take_change() returns the mesh without it, a later poll() applies
+  /// it
+  bool finish(std::chrono::milliseconds longest);
   /// Returns the vertices that have moved since the last call, null if none; valid until the next call of any function.
   /// The window has to write them: a pose in progress, or steps applied or undone. Frames allocate nothing.
   const PoseChange* take_change() { return model_.take_change(); }
@@ -196,7 +211,7 @@ class DragSession {
   bool motion_key(DragKey key, const Cursor& cursor);
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
 
-  Edit earlier_;  // the steps before succeed()
+  Edit earlier_;  // the steps before inherit()
   SessionModel model_;
   SessionSolver solver_;
   SessionMouse mouse_;
