@@ -9,8 +9,8 @@ import resource
 import subprocess
 import unittest
 
-from program import (ADVISED, CENTRE, COMMAND, DOME, LEAN, LIFT, POINTS, REFUSED, SANITIZED, UNEXPECTED, UNREADABLE, UNWRITABLE,
-                     WRONG_USAGE, MeshBytes, ProgramTest, files)
+from program import (ADVISED, CENTRE, COMMAND, DOME, FACES, LEAN, LIFT, POINTS, REFUSED, SANITIZED, UNEXPECTED, UNREADABLE,
+                     UNWRITABLE, WRONG_USAGE, MeshBytes, ProgramTest, files)
 from shapes import dome, with_seam
 
 SOURCES = pathlib.Path(__file__).parents[2] / "filter_laplacian_edit" / "program"
@@ -183,7 +183,8 @@ class Edits(ProgramTest):
 
     def test_a_face_that_names_a_corner_twice_or_is_repeated_changes_no_bit(self):
         expected = MeshBytes("dome.ply", self.edited()).points
-        for faces in ([(a, b, c, c) for a, b, c in FACES], [f for a, b, c in FACES for f in ((a, b, c), (b, a, b), (c, b, a), (b, c, a))]):
+        for faces in ([(a, b, c, c) for a, b, c in FACES],
+                      [f for a, b, c in FACES for f in ((a, b, c), (b, a, b), (c, b, a), (b, c, a))]):
             self.mesh.write_bytes(files.ply_plain((POINTS, faces)))
             self.assertEqual(MeshBytes("dome.ply", self.edited()).points, expected)
             self.assertRegex(self.done("--info", self.mesh), r"\nfaces: \d+ \(\d+ ignored: .*\n.*\n.*\nborders: 1 of 80 edges")
