@@ -169,7 +169,10 @@ int LinkSearch::across_wall(int v, const VertexTree& tree) {
               hit->point, gap_ * gap_, VertexTree::kNoLabel,
               [&](int w) { return labels_[w] == labels_[v] && inwards_.row(w).dot(inwards) < kOpposite; }, pairs)
           .vertex;
-  return to >= 0 && (points_.row(to).transpose() - position).norm() <= gap_ ? to : -1;
+  const IndexLists::Row ring = neighbours_[v];
+  const bool is_link = to >= 0 && !std::binary_search(ring.begin(), ring.end(), to) &&
+                       (points_.row(to).transpose() - position).norm() <= gap_;
+  return is_link ? to : -1;
 }
 
 std::vector<Link> LinkSearch::links() {
