@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/base/format_text.h"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <locale>
@@ -9,10 +10,13 @@
 namespace lapedit {
 
 std::string format_text(const char* pattern, ...) {
-  char text[1024];
-  va_list arguments;
+  va_list arguments, again;
   va_start(arguments, pattern);
-  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_copy(again, arguments);
+  // The whole text, since a cut might be inside a letter of UTF-8.
+  std::string text(static_cast<std::size_t>(std::max(0, std::vsnprintf(nullptr, 0, pattern, arguments))), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
+  va_end(again);
   va_end(arguments);
   return text;
 }

@@ -7,7 +7,7 @@
 
 namespace lapedit {
 
-/// Returns text formatted as by printf, with the decimal point of the process's locale; truncated at 1,023 bytes.
+/// Returns text formatted as by printf, with the decimal point of the process's locale.
 LAPEDIT_PRINTF(1, 2) std::string format_text(const char* pattern, ...);
 
 /// Returns a number for messages: six significant digits, independent of the locale.
