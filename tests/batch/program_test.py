@@ -177,6 +177,11 @@ class Edits(ProgramTest):
     def test_answers(self):
         self.assertRegex(self.done("--info", self.mesh), r"\Avertices: 441 \(0 without a face, 0 not finite\)\nfaces: 800\n"
                          r"box: 0,0,0 to 1,1,0\.\d+, diagonal \S+\npieces: 1, .*\nborders: 1 of 80 edges in all\nselected: 0 ")
+        points, faces = DOME
+        for far in (1e308, 1e200, 1e-308):
+            stray = [*points, (-far, far, 0), (far, -far, far), (0, far, far)], [*faces, (441, 442, 443)]
+            (self.work / "stray.ply").write_bytes(files.ply_plain(stray, "double"))
+            self.assertRegex(self.done("--nearest", "0.5,0.5,0.3", "stray.ply"), rf"\Avertex: {CENTRE}, ")
         text = self.done("--nearest", "0.5,0.5,0.3", "--nearest=0,0,0", self.mesh, "--info")
         self.assertRegex(text, rf"(?s)\Avertices: .*\nvertex: {CENTRE}, position: 0\.5,0\.5,\S+, distance: \S+\nvertex: 0, .*: 0\n\Z")
 

@@ -67,5 +67,21 @@ TEST(VertexGridAndTree, FindWhatLookingAtAllFinds) {
   EXPECT_EQ(VertexGrid(Points(0, 3), {}).nearest(Vector3(1, 2, 3)), -1);
 }
 
+TEST(VertexGrid, StrayVerticesNearTheLargestNumberDoNoHarm) {
+  for (const double far : {1e103, 1e154, 1e200, 1.7e308, 1e-308, 4e-324}) {
+    for (const Vector3& at : {Vector3(1, 0, 0), Vector3(1, 1, 1), Vector3(-1, 1, 1e-9)}) {
+      Points points(6, 3);
+      points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, (far * at).transpose(), (-far * at).transpose();
+      const std::vector<int> vertices = {0, 1, 2, 3, 4, 5};
+      const VertexGrid grid(points, vertices);
+      for (int v = 0; v < 4; ++v) {
+        const Vector3 position = points.row(v).transpose() + Vector3(0.2, 0.3, 0.1);
+        EXPECT_EQ(grid.nearest(position), nearest_of_all(points, vertices, position, 1e150, 0)) << far;
+      }
+      EXPECT_EQ(grid.nearest(Vector3(far, far, far), 0.1), nearest_of_all(points, vertices, {far, far, far}, 0.1, 0));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lapedit::vertex_grid_test

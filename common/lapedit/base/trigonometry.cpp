@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "lapedit/base/whole_part.h"
+
 namespace lapedit {
 namespace {
 
@@ -24,7 +26,7 @@ SineCosine sine_cosine(double degrees) {
     cosine = 1 - x * x / (2 * k * (2 * k - 1)) * (k == kTerms ? 1 : cosine);
   }
   sine *= x;
-  switch ((static_cast<int>(quarters) + 4) % 4) {
+  switch ((whole_part(quarters, -2, 2) + 4) % 4) {
     case 0:
       return {sine, cosine};
     case 1:

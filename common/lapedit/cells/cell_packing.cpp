@@ -9,6 +9,7 @@
 #include <functional>
 #include <numeric>
 
+#include "lapedit/base/whole_part.h"
 #include "lapedit/mesh/geodesic.h"
 
 namespace lapedit {
@@ -223,7 +224,7 @@ void Packing::sort() {
   std::array<std::vector<int>, 2> starts;
   starts.fill(std::vector<int>(kMask + 2, 0));
   for (int i = 0; i < n; ++i) {
-    keys_[i] = static_cast<std::uint32_t>((region_.distance[i] + depth_[i]) * scale + 0.3);
+    keys_[i] = whole_part((region_.distance[i] + depth_[i]) * scale + 0.3, 0U, (1U << kKeyBits) - 1);
     ++starts[0][1 + (keys_[i] & kMask)];
     ++starts[1][1 + (keys_[i] >> kBits)];
   }
@@ -243,9 +244,10 @@ void Packing::sort() {
 }
 
 std::int64_t Packing::in_steps(double length) const {
-  constexpr double kSteps = 1 << 20, kBetween = 0.3, kMost = 9e18;  // kMost fits into 64 bits
+  constexpr std::int64_t kMost = 9000000000000000000;
+  constexpr double kSteps = 1 << 20, kBetween = 0.3;
   const double steps = spacing_ > 0 ? std::floor(length / spacing_ * kSteps + kBetween) : 0;
-  return static_cast<std::int64_t>(std::clamp(steps, -kMost, kMost));
+  return whole_part(steps, -kMost, kMost);
 }
 
 std::array<std::int64_t, 3> Packing::position(int vertex) const {
@@ -261,7 +263,8 @@ void Packing::name_groups(std::vector<int>& name) const {
     std::int64_t shortest = INT64_MAX;
     for (const int w : region_.neighbours[v]) {
       if (group_[v] < 0 && keys_[w] < keys_[v] && name[w] >= 0) {
-        const auto through = static_cast<std::int64_t>(keys_[w] + scale * (rest_.row(v) - rest_.row(w)).norm() + 0.3);
+        const std::int64_t through =
+            whole_part(keys_[w] + scale * (rest_.row(v) - rest_.row(w)).norm() + 0.3, std::int64_t{0}, INT64_MAX / 2);
         if (through + kSame < shortest || (through <= shortest + kSame && name[w] < name[v])) {
           name[v] = name[w];
         }

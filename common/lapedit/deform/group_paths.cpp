@@ -7,6 +7,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/polar_decomposition.h"
+#include "lapedit/base/whole_part.h"
 
 namespace lapedit {
 namespace {
@@ -174,8 +175,7 @@ void GroupPaths::set(const std::vector<HandleMotion>& motions, const Affine& anc
     }
   }
   constexpr double kRounding = 1e-9;  // so that rounding errors of a length do not add a step
-  steps_ = std::clamp(static_cast<int>(std::ceil(std::min<double>(length, kMostSteps) - kRounding)), kLeastSteps,
-                      kMostSteps);
+  steps_ = whole_part(std::ceil(length - kRounding), kLeastSteps, kMostSteps);
   go_to(steps_);
 }
 

@@ -12,6 +12,7 @@
 
 #include "lapedit/base/simd.h"
 #include "lapedit/base/thread_pool.h"
+#include "lapedit/base/whole_part.h"
 #include "lapedit/linear/dissection_pieces.h"
 #include "lapedit/linear/linear.h"
 
@@ -172,7 +173,7 @@ double cut_by_plane(const Piece& piece, Scratch& scratch) {
   const float start = *lowest;
   std::array<int, kCoarseBins> coarse{};
   const float per_length = (kCoarseBins - 1) / std::max(*highest - start, 1e-30F);
-  for (int v = 0; v < n; ++v) ++coarse[static_cast<int>((scratch.along[v] - start) * per_length)];
+  for (int v = 0; v < n; ++v) ++coarse[whole_part((scratch.along[v] - start) * per_length, 0, kCoarseBins - 1)];
   int below = 0, bin = 0;
   while (below + coarse[bin] < kTail * n) below += coarse[bin++];
   const float from = start + bin / per_length;
@@ -181,7 +182,7 @@ double cut_by_plane(const Piece& piece, Scratch& scratch) {
   const float scale = (kBins - 2) / std::max(to - from, 1e-30F);
   std::vector<std::uint8_t>& position = scratch.position;
   for (int v = 0; v < piece.size(); ++v) {
-    position[v] = static_cast<std::uint8_t>(std::clamp((scratch.along[v] - from) * scale + 1, 0.0F, kBins - 1.0F));
+    position[v] = static_cast<std::uint8_t>(whole_part((scratch.along[v] - from) * scale + 1, 0, kBins - 1));
   }
   // A vertex is in the separators of all planes that separate it from a neighbour.
   std::array<int, kBins> vertices{}, change{};

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "lapedit/base/whole_part.h"
+
 namespace lapedit {
 namespace {
 
@@ -21,7 +23,7 @@ struct Profile {
     const double face = (p[1] - p[0]).cross(p[2] - p[0]).norm() / 2;
     const double span = d[2] - d[0];
     const double widest = span > 0 ? (p[0] + (d[1] - d[0]) / span * (p[2] - p[0]) - p[1]).norm() : 0;
-    for (int k = std::max(0, static_cast<int>(std::ceil(d[0] / step))); k <= kRadii; ++k) {
+    for (int k = whole_part(std::ceil(d[0] / step), 0, kRadii + 1); k <= kRadii; ++k) {
       const double r = k * step;
       if (r >= d[2]) {
         whole_[k] += face;
@@ -77,7 +79,7 @@ double protrusion_radius(const TriangleMesh& mesh, const Adjacency& adjacency, c
   profile.finish();
   double narrowest = kNarrow;
   int last = -1;  // index of the largest radius that is about as narrow
-  for (int k = std::max(1, static_cast<int>(std::ceil(smallest / profile.step))); k <= kRadii; ++k) {
+  for (int k = whole_part(std::ceil(smallest / profile.step), 1, kRadii + 1); k <= kRadii; ++k) {
     const double ratio = profile.area[k] > 0 ? profile.length[k] * profile.length[k] / (kPlane * profile.area[k]) : 1;
     if (ratio <= kSame * narrowest) {
       narrowest = std::min(narrowest, ratio);

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "lapedit/base/whole_part.h"
+
 namespace lapedit {
 namespace {
 
@@ -39,13 +41,17 @@ VertexGrid::VertexGrid(const Points& points, std::vector<int> vertices) : points
   const Eigen::AlignedBox3d box = bounding_box(points, vertices);
   if (!vertices.empty()) {
     constexpr double kCubesPerVertex = 2, kFlat = 1e-3;  // of the longest side
+    constexpr int kMost = 1 << 20;                       // cubes along a side
     low_ = box.min();
-    const double longest = box.sizes().maxCoeff();
-    const Vector3 sides = box.sizes().cwiseMax(kFlat * longest);
-    const double size = std::cbrt(sides.prod() / (kCubesPerVertex * static_cast<double>(vertices.size())));
-    size_ = longest > 0 && std::isfinite(longest) && size > 0 ? size : 1;
-    for (int k = 0; k < 3; ++k) {
-      counts_[k] = longest > 0 ? 1 + static_cast<int>(box.sizes()[k] / size_) : 1;
+    const Vector3 half = box.max() / 2 - box.min() / 2;  // the whole may overflow, and so may the product of its sides
+    const double longest = half.maxCoeff();
+    if (longest > 0) {
+      const double volume = (half / longest).cwiseMax(kFlat).prod();
+      const double size = longest * std::cbrt(volume / (kCubesPerVertex * static_cast<double>(vertices.size())));
+      size_ = std::clamp(2 * size, std::numeric_limits<double>::min(), std::numeric_limits<double>::max());
+      for (int k = 0; k < 3; ++k) {
+        counts_[k] = 1 + whole_part(half[k] / (size_ / 2), 0, kMost);
+      }
     }
   }
   const auto number = [this, &points](int v) {
@@ -72,7 +78,7 @@ VertexGrid::VertexGrid(const Points& points, std::vector<int> vertices) : points
 std::array<int, 3> VertexGrid::cube_at(const Vector3& position) const {
   std::array<int, 3> cube{};
   for (int k = 0; k < 3; ++k) {
-    cube[k] = static_cast<int>(std::clamp((position[k] - low_[k]) / size_, 0.0, static_cast<double>(counts_[k] - 1)));
+    cube[k] = whole_part((position[k] - low_[k]) / size_, 0, counts_[k] - 1);
   }
   return cube;
 }
