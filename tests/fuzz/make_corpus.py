@@ -99,7 +99,7 @@ def objs():
 
 def offs():
     for keyword, more in (("OFF", ""), ("NOFF", " 0 0 1"), ("COFF", " 255 0 0 255"), ("STOFF", " 0.5 0.5"),
-                          ("STCNOFF", " 0 0 1 1 0 0 0.5 0.5")):
+                          ("STCNOFF", " 0 0 1 1 0 0 0.5 0.5"), ("NCOFF", " 9 0 0 255 0 0 1"), ("4OFF", " 1")):
         yield keyword.lower(), files.off(SMALL, keyword, more)
     yield "glued_comments", files.off(SMALL, "OFF#a b", end="#c d\n")
     yield "comments", b"# a\n" + files.off(SMALL, "OFF # b", end=" # c\n\n")[:-1]

@@ -126,12 +126,12 @@ MeshFile readStl(std::string bytes, bool isWhole) {
   // and the first triangle.
   const bool isText = is(TextReader(bytes).word().substr(0, 5), "solid") && (!isWhole || bytes.size() != size) &&
                       bytes.find('\0') >= std::min(kHeader + kTriangle, bytes.size());
+  if (isText) {
+    requireText(bytes);
+  } else if (!isWhole && count == 0) {
+    throw UnreadableMesh("it goes on after 0 triangles, as its header names");
+  }
   if (!isWhole) {
-    if (isText) {
-      requireText(bytes);
-    } else if (count == 0) {
-      throw UnreadableMesh("it goes on after 0 triangles, as its header names");
-    }
     return {};
   }
   if (isText) {
