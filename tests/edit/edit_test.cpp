@@ -220,7 +220,7 @@ TEST(Edit, SizesOutsideTheRangeOfFourthPowersAreRefused) {
   for (const double scale : {0x1p-180, 0x1p180}) {
     EXPECT_LT((scaled(scale) / scale - expected).cwiseAbs().maxCoeff(), 1e-9) << scale;
   }
-  for (const double scale : {1e-300, 1e-77, 1e-70, 1e70, 1e77, 1e300}) {
+  for (const double scale : {1e-300, 1e-77, 1e-70, 1e70, 1e77}) {
     const std::string sentence = support::expect_refusal(ErrorCause::BadParameter, [&] { scaled(scale); });
     support::expect_contains(sentence, "use another unit of length");
   }

@@ -290,7 +290,7 @@ TEST(FitStep, RefusesWhatCannotBeFitted) {
   EXPECT_NE(cause(edit).find("no partner"), std::string::npos);
   EXPECT_NE(cause(edit).find("or give three landmarks"), std::string::npos) << cause(edit);
   edit.steps[0].handles = {{{3, 100, 250}, {}}};
-  edit.steps[0].handles[0].targets.assign(3, Vector3(100, 0, 0));
+  edit.steps[0].handles[0].targets.assign(3, Vector3(-100, 0, 0));
   EXPECT_NE(cause(edit).find("although 3 landmarks were given"), std::string::npos) << cause(edit);
   EXPECT_NE(cause(edit).find("left and right may be exchanged"), std::string::npos);
 }
