@@ -245,7 +245,7 @@ TEST_P(EditProperties, RigidMotionOfAllConstraintsIsThatOfTheRegion) {
   for_all_settings([&](const EditSettings& settings) {
     if (settings.method != EditMethod::Linear) {
       support::Prepared solver = solver_of(edit, settings);
-      const Points& result = solver.pose(std::vector<HandleMotion>(edit.maps.size(), map), PoseAccuracy::Passes, map);
+      const Points& result = solver.pose(std::vector<HandleMotion>(edit.maps.size(), map), map);
       EXPECT_LT(support::error(result, support::moved(map, rest_of(edit, solver))), 1e-12);
       for (const Matrix3& rotation : solver.rotations()) {
         ASSERT_LT((rotation - map.linear()).norm(), 1e-12);
@@ -267,7 +267,7 @@ TEST_P(EditProperties, MovingTheAnchorsMovesTheEditRigidly) {
     if (settings.method != EditMethod::Linear) {
       support::Prepared here = solver_of(edit, settings), there = solver_of(edit, settings);
       const Points expected = support::moved(map, here.pose(edit.maps));
-      EXPECT_LT(support::error(there.pose(maps, PoseAccuracy::Passes, map), expected), rounding(settings));
+      EXPECT_LT(support::error(there.pose(maps, map), expected), rounding(settings));
       double worst = 0;
       for (std::size_t i = 0; i < here.rotations().size(); ++i) {
         worst = std::max(worst, (there.rotations()[i] - map.linear() * here.rotations()[i]).norm());
@@ -312,7 +312,7 @@ TEST_P(EditProperties, SolvesDoNotDependOnWhatWasSolvedBefore) {
   const Affine elsewhere = support::rigid(-60, Vector3(1, 0, 1), size * Vector3(1, 1, 1));
   for_all_settings([&](const EditSettings& settings) {
     support::Prepared fresh = solver_of(edit, settings), used = solver_of(edit, settings);
-    used.pose(std::vector<HandleMotion>(edit.maps.size(), elsewhere), PoseAccuracy::Passes, elsewhere);
+    used.pose(std::vector<HandleMotion>(edit.maps.size(), elsewhere), elsewhere);
     used.pose(std::vector<HandleMotion>(edit.maps.size(), elsewhere));
     EXPECT_TRUE(support::same_bits(used.pose(edit.maps), fresh.pose(edit.maps)));
     EXPECT_EQ(used.rotations(), fresh.rotations());

@@ -73,6 +73,7 @@ MethodResult ours(const Problem& scene, const EditSettings& settings, int thread
   result.positions = whole_mesh(edit, solver.region(), solved);
   solver.make_cells(edit.mesh);
   result.fast_frame = solver.has_frames();
+  lapedit::Points frame;
   // A mouse that comes near the pose, small step by small step.
   std::vector<double> frames;
   for (int k = 0; k < kFrames; ++k) {
@@ -81,7 +82,11 @@ MethodResult ours(const Problem& scene, const EditSettings& settings, int thread
       motion.map.translation() *= 1 - 0.002 * (kFrames - k);
     }
     watch.lap();
-    solver.pose(motions, result.fast_frame ? lapedit::PoseAccuracy::Corrected : lapedit::PoseAccuracy::Passes);
+    if (result.fast_frame) {
+      solver.frame(motions, frame);
+    } else {
+      solver.pose(motions);
+    }
     frames.push_back(watch.lap());
   }
   result.frame_ms = table::median(frames);

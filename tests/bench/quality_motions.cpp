@@ -109,9 +109,9 @@ std::vector<double> frame_errors(const Scene& scene, const EditSettings& setting
                              lapedit::FoundRegion{std::make_shared<const lapedit::Region>(scene.region)}, settings);
   Points frames[2];
   solver.make_cells(scene.edit.mesh);
-  frames[0] = solver.pose(motions, lapedit::PoseAccuracy::Cells);
+  solver.frame(motions, frames[0]);
   solver.prepare(scene.edit.mesh);
-  frames[1] = solver.pose(motions, lapedit::PoseAccuracy::Corrected);
+  solver.frame(motions, frames[1]);
   const Points released = solver.pose(motions);
   const double displacement = longest(released - scene.edit.mesh.vertices(scene.region.mesh_vertex, Eigen::all));
   std::vector<double> result;

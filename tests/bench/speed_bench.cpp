@@ -83,12 +83,6 @@ std::shared_ptr<const Region> with_handle(Region region, const std::vector<int>&
   return std::make_shared<const Region>(std::move(region));
 }
 
-/// Computes a frame of a drag.
-const Points& show(StepSolver& solver, int move) {
-  using lapedit::PoseAccuracy;
-  return solver.pose({handle_move(move)}, solver.system() ? PoseAccuracy::Corrected : PoseAccuracy::Cells);
-}
-
 /// The handle that the tool takes by default: a disc of a tenth of the region.
 std::vector<int> disc(const Problem& scene) {
   std::vector<int> vertices;
@@ -113,16 +107,17 @@ void measure_ours(const Problem& scene, Runs& runs) {
   const auto note = [&](const char* row, double value) { runs[row].push_back(value); };
   const EditSettings settings = settings_of(EditMethod::Default);
   int move = 0;
+  Points positions;
   const auto frame_ms = [&](StepSolver& solver) {
-    show(solver, ++move);
+    solver.frame({handle_move(++move)}, positions);
     const Stopwatch watch;
-    show(solver, ++move);
+    solver.frame({handle_move(++move)}, positions);
     return watch.elapsed();
   };
   Stopwatch watch;
   const Solver cells = make_solver(scene, settings, kThreads);
   cells->make_cells(scene.edit.mesh);
-  show(*cells, 0);
+  cells->frame({handle_move(0)}, positions);
   note("first frame", watch.elapsed());
   note("frame of the cells alone", frame_ms(*cells));
 
@@ -135,10 +130,11 @@ void measure_ours(const Problem& scene, Runs& runs) {
   runs["memory"] = {heap_bytes() - before};
   for (int frame = 1; frame <= 3; ++frame) {
     const Points pose = ready->pose({handle_move(frame)});
-    const Points& positions = show(*cells, frame);
+    cells->frame({handle_move(frame)}, positions);
     const double rms = (positions - pose).norm() / std::sqrt(pose.rows()) / handle_move(frame).translation().norm();
     require(rms < 0.03, "the RMS error of a frame of the cells is ", rms);
-    const double largest = (show(*ready, frame) - pose).cwiseAbs().maxCoeff() / scene.edit.region.radius;
+    ready->frame({handle_move(frame)}, positions);
+    const double largest = (positions - pose).cwiseAbs().maxCoeff() / scene.edit.region.radius;
     require(largest < 0.01, "the largest error of a frame is ", largest);
   }
 
@@ -298,24 +294,25 @@ void print_tables(const std::vector<int>& sizes, const std::vector<Runs>& measur
 void print_growth(int vertices) {
   const Problem scene = make_scene(vertices);
   const EditSettings settings;
+  Points positions;
   Stopwatch watch;
   const auto region = lapedit::find_region(scene.edit.mesh, scene.adjacency, scene.edit.region, scene.edit.handles);
   std::vector<double> figures = {watch.elapsed()};
   const double before = heap_bytes();
   const Solver solver = make_solver(scene, settings, 0, region.region);
   solver->make_cells(scene.edit.mesh);
-  show(*solver, 0);
+  solver->frame({handle_move(0)}, positions);
   figures.push_back(watch.lap());
   const auto add = [&](const auto& body) {
     watch.lap();
     body();
     figures.push_back(watch.lap());
   };
-  add([&] { show(*solver, 1); });
+  add([&] { solver->frame({handle_move(1)}, positions); });
   add([&] { solver->prepare(scene.edit.mesh); });
   const double held = heap_bytes() - before;
-  show(*solver, 0);
-  add([&] { show(*solver, 1); });
+  solver->frame({handle_move(0)}, positions);
+  add([&] { solver->frame({handle_move(1)}, positions); });
   add([&] { solver->pose({handle_move(1)}); });
   add([&] { solver->pose({handle_move(2)}); });
   rusage usage = {};
@@ -339,17 +336,18 @@ void print_load(int vertices) {
   std::map<std::string, std::vector<double>> times[2];
   for (int round = 0; round < 2 * kRounds; ++round) {
     auto& of = times[round % 2];
+    Points positions;
     Stopwatch watch;
     const Solver solver = make_solver(scene, {}, 1 + round % 2);
     solver->make_cells(scene.edit.mesh);
-    show(*solver, 0);
+    solver->frame({handle_move(0)}, positions);
     of["first frame"].push_back(watch.lap());
     solver->prepare(scene.edit.mesh);
     of["region ready"].push_back(watch.lap());
-    show(*solver, 1);
+    solver->frame({handle_move(1)}, positions);
     for (int frame = 2; frame < 7; ++frame) {
       watch.lap();
-      show(*solver, frame);
+      solver->frame({handle_move(frame)}, positions);
       of["frame"].push_back(watch.lap());
     }
     solver->pose({handle_move(7)});

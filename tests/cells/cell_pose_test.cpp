@@ -47,7 +47,7 @@ struct Turned {
         settings(with),
         pool(threads),
         rest(support::rows(mesh.vertices, region.mesh_vertex)),
-        model(mesh, support::rest_pose(mesh, region), settings, threads) {}
+        model(mesh, support::rest_pose(mesh, region), settings, ThreadPool(threads)) {}
 
   const CellPose& cells() const { return model.pose(); }
   const CellPose& solve(const Maps& maps, bool frame = false) {
@@ -373,14 +373,24 @@ TEST(CellModel, PicturesAreWhatScriptsStartFrom) {
   const auto t = limb();
   t->solve({bent(90)});
   const std::vector<Matrix3> rotations = t->spread();
-  std::vector<Matrix3> shown;
-  Points displacement;
-  t->model.displace(shown, displacement, t->pool);
+  std::vector<CellModel::Transform> transforms(t->region.size(), CellModel::Transform{});
+  const double unit = 8;
   for (int i = 0; i < t->region.size(); ++i) {
-    EXPECT_LT((shown[i] - rotations[i]).norm(), 3e-5) << i;
+    for (int e = 0; e < 3; ++e) {
+      transforms[i].rest[e] = static_cast<float>(t->model.rest()->local(i, e) / unit);
+    }
+  }
+  Points displacement = Points::Zero(t->region.size() + 1, 3);
+  t->model.displace(unit, transforms.data(), displacement, t->pool);
+  for (int i = 0; i < t->region.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      for (int e = 0; e < 3; ++e) {
+        EXPECT_NEAR(transforms[i].columns[c][e], rotations[i](e, c) - (c == e), 1e-5) << i;
+      }
+    }
     if (t->region.classes[i] == VertexClass::Handle) {
       const Vector3 p = t->rest.row(i), way = bent(90) * p - p;
-      EXPECT_LT((displacement.row(i).transpose() - way).norm(), 1e-3 * way.norm()) << i;
+      EXPECT_LT((unit * displacement.row(i).transpose() - way).norm(), 1e-3 * way.norm()) << i;
     } else if (t->region.anchor_depth[i] == 1) {
       EXPECT_LT(displacement.row(i).norm(), 1e-9) << i;
     }

@@ -425,7 +425,7 @@ TEST_F(SolverErrors, StaysUsableAfterARefusedSolve) {
   EXPECT_TRUE(support::same_bits(solver.pose(good), expected));
   support::expect_refusal(ErrorCause::NoHandle, [&] { solver.pose({good[0]}); });
   support::expect_refusal(ErrorCause::NotFinite, [&] { solver.pose({good[0], bad}); });
-  support::expect_refusal(ErrorCause::NotFinite, [&] { solver.pose(good, PoseAccuracy::Passes, bad); });
+  support::expect_refusal(ErrorCause::NotFinite, [&] { solver.pose(good, bad); });
   bad(1, 3) = kInfinity;
   support::expect_refusal(ErrorCause::NotFinite, [&] { solver.pose({bad, good[1]}); });
   support::expect_refusal(ErrorCause::NotFinite, [&] { solver.pose({far, good[1]}); });
@@ -603,7 +603,9 @@ TEST(TwistedLimb, KeepsItsThickness) {
       const std::string where = std::string(name(laplacian)) + ", " + std::to_string(degrees) + " degrees";
       EXPECT_GT(thickness(solver.pose(maps)), by_default ? 0.9 : 0.75) << where;
       EXPECT_TRUE(!by_default || solver.report().flipped == 0) << where;
-      EXPECT_GT(thickness(coarse.pose(maps, PoseAccuracy::Cells)), 0.75) << where;
+      Points frame;
+      coarse.frame(maps, frame);
+      EXPECT_GT(thickness(frame), 0.75) << where;
     }
   }
 }

@@ -33,7 +33,9 @@ struct Scene {
   Points frame() const {
     StepSolver solver(mesh, {region}, settings);
     solver.make_cells(mesh);
-    return solver.pose(maps, PoseAccuracy::Cells);
+    Points positions;
+    solver.frame(maps, positions);
+    return positions;
   }
   Points rest() const { return support::rows(mesh.vertices, region->mesh_vertex); }
 };

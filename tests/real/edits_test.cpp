@@ -103,7 +103,8 @@ TEST_P(RealEdit, FrameIsNearTheFullPose) {
   StepSolver solver(mesh, find_region(mesh, support::adjacency_of(mesh), spec, {{edit.handle}}), EditSettings());
   const std::vector<HandleMotion> maps = {support::shift(edit.way)};
   solver.make_cells(mesh);
-  const Points frame = solver.pose(maps, PoseAccuracy::Cells);
+  Points frame;
+  solver.frame(maps, frame);
   solver.prepare(mesh);
   const Points full = solver.pose(maps);
   const Region& region = solver.region();

@@ -14,7 +14,6 @@ using Four = Floats4;
 /// If the rotations of two cells differ by 180 degrees, the sum of their quaternions is short. Blending adds the
 /// quaternion of the nearest cell to a sum shorter than this.
 constexpr double kCancelled = 0.2;
-constexpr int kGrain = 1024;
 
 std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, const EditSettings& settings,
                                ThreadPool& pool) {
@@ -35,33 +34,27 @@ LAPEDIT_INLINE float sum_of(Four v) {
 }  // namespace
 
 CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
-                     int threads)
+                     ThreadPool&& pool)
     : rest_(std::move(rest)),
       settings_(settings),
-      pool_(threads),
-      cells_(cells_of(mesh, *rest_, settings, pool_)),
-      blend_((report_progress(0.05, "cells"), CellBlend(cells_, rest_->local, pool_))),
+      cells_(cells_of(mesh, *rest_, settings, pool)),
+      blend_((report_progress(0.05, "cells"), CellBlend(cells_, rest_->local, pool))),
       pose_(*rest_->region, rest_->local, cells_, blend_, settings_),
       paths_(*rest_->region, rest_->local, rest_->origin),
       hold_(rest_->region->size(), 0),
       quaternions_(cells_.count()),
-      unit_(rest_->region->max_distance > 0 ? std::ldexp(1.0, std::ilogb(rest_->region->max_distance)) : 1),
-      rest_positions_(rest_->region->size()),
       posed_(cells_.count()),
       rigid_columns_(3 * rest_->region->anchored.size()) {
   const std::vector<double>& depths = rest_->region->anchor_depth;
   std::transform(depths.begin(), depths.end(), hold_.begin(), smooth_step);
-  for (int i = 0; i < rest_->region->size(); ++i) {
-    if (rest_->region->classes[i] == VertexClass::Handle) {
-      handles_.push_back(i);
-    }
-  }
-  for_indices(pool_, rest_->region->size(), kGrain,
-              [&](int i) { rest_positions_[i] = floats4(rest_->local.row(i) / unit_); });
 }
 
 void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick) {
   paths_.set(handles, anchors);
+  solve(quick);
+}
+
+void CellModel::solve(bool quick) {
   pose_.solve(paths_, quick);
   for (int c = 0; c < cells_.count(); ++c) {
     quaternions_[c] = Eigen::Quaterniond(pose_.rotations()[c]).coeffs();
@@ -71,6 +64,7 @@ void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& an
 /// Computes q = sum_k w_k (q_k . q_0) q_k, blended with the identity by hold_. The result is continuous and does not
 /// depend on the signs of the quaternions.
 void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
+  constexpr int kGrain = 1024;
   const auto n = static_cast<int>(hold_.size());
   rotations.resize(n);
   for_indices(pool, n, kGrain, [&](int i) {
@@ -98,13 +92,11 @@ struct CellModel::Displacing {
   const std::vector<int>& component;
   const PosedCell* cells;
   const Floats4* rigid;  // null: no component moves rigidly
-  const Floats4* rest;
-  double unit;
-  Matrix3* rotations;
+  Transform* transforms;
   double* displacement;
 
-  /// Computes the displacement f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)) and R. The factor f falls to 0 at the
-  /// region's rim; R is as in spread().
+  /// Computes the displacement f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)) and R - I. The factor f falls to 0 at
+  /// the region's rim; R is as in spread().
   LAPEDIT_INLINE void operator()(int i) const {
     const int* const which = &blend.cells(0, i);
     const float* const weights = &blend.weights(0, i);
@@ -125,66 +117,78 @@ struct CellModel::Displacing {
     const float squared = sum_of(q * q);
     q = squared > 0 ? q / std::sqrt(squared) : Four{0, 0, 0, 1};
     const float x = q[0], y = q[1], z = q[2], w = q[3];
-    const Four columns[3] = {{-2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0},
-                             {2 * (x * y - w * z), -2 * (x * x + z * z), 2 * (y * z + w * x), 0},
-                             {2 * (x * z + w * y), 2 * (y * z - w * x), -2 * (x * x + y * y), 0}};
-    Four detail = rest[i] - centre;
+    Four* const columns = transforms[i].columns;
+    columns[0] = Four{-2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0};
+    columns[1] = Four{2 * (x * y - w * z), -2 * (x * x + z * z), 2 * (y * z + w * x), 0};
+    columns[2] = Four{2 * (x * z + w * y), 2 * (y * z - w * x), -2 * (x * x + y * y), 0};
+    Four detail = transforms[i].rest - centre;
     if (rigid != nullptr) {
       const Four* const by = rigid + 3 * static_cast<std::ptrdiff_t>(component[i]);
       detail += detail[0] * by[0] + detail[1] * by[1] + detail[2] * by[2];
     }
     moved += detail[0] * columns[0] + detail[1] * columns[1] + detail[2] * columns[2];
-    double* const rotation = rotations[i].data();
     for (std::ptrdiff_t e = 0; e < 3; ++e) {
-      displacement[3 * static_cast<std::ptrdiff_t>(i) + e] = unit * static_cast<double>((1 - held) * moved[e]);
-      for (std::ptrdiff_t c = 0; c < 3; ++c) {
-        rotation[3 * c + e] = static_cast<double>(columns[c][e]) + (c == e ? 1 : 0);
-      }
+      displacement[3 * static_cast<std::ptrdiff_t>(i) + e] = static_cast<double>((1 - held) * moved[e]);
     }
   }
 };
 
-/// Moves handle vertices towards their targets, according to their weights, and hanging vertices with their groups.
-void CellModel::displace_held(Points& displacement) const {
-  const Region& region = *rest_->region;
-  const auto relative = [&](int i, const Vector3& whole) {
-    return whole - paths_.rigid_motions()[region.component[i]].displacement(rest_->local.row(i).transpose());
-  };
-  for (const int i : handles_) {
-    const double weight = settings_.handle_weight * region.weight(i), held = weight * weight / (1 + weight * weight);
-    displacement.row(i) += held * (relative(i, paths_.displacement(i)).transpose() - displacement.row(i));
-  }
+/// Moves a handle vertex towards its target, according to its weight.
+void CellModel::displace_handle(int i, double unit, Points& displacement) const {
+  const double weight = settings_.handle_weight * rest_->region->weight(i),
+               held = weight * weight / (1 + weight * weight);
+  displacement.row(i) += held * (paths_.displacement(i).transpose() / unit - displacement.row(i));
+}
+
+void CellModel::displace_hanging(double unit, Transform* transforms, Points& displacement) const {
   for (const int i : paths_.hanging()) {
-    if (const int g = paths_.followed(i); g >= 0 && settings_.method == EditMethod::Default) {
-      displacement.row(i) = relative(i, paths_.motions()[g].displacement(rest_->local.row(i).transpose())).transpose();
+    if (const int g = paths_.followed(i); g >= 0) {
+      displacement.row(i) = paths_.motions()[g].displacement(rest_->local.row(i).transpose()).transpose() / unit;
+      for (int c = 0; c < 3; ++c) {
+        transforms[i].columns[c] = floats4(paths_.rotations()[g].col(c) - Vector3::Unit(c));
+      }
     }
   }
 }
 
-void CellModel::displace(std::vector<Matrix3>& rotations, Points& displacement, ThreadPool& pool) {
-  const int n = rest_->region->size();
-  rotations.resize(n);
-  displacement.resize(n, 3);
+void CellModel::displace(double unit, Transform* transforms, Points& displacement, ThreadPool& pool) {
+  constexpr int kGrain = 2048;
+  const Region& region = *rest_->region;
   for (int c = 0; c < cells_.count(); ++c) {
-    posed_[c] = {floats4(quaternions_[c]), floats4(pose_.displacement().row(c) / unit_),
-                 floats4(cells_.centres.row(c) / unit_)};
+    posed_[c] = {floats4(quaternions_[c]), floats4(pose_.displacement().row(c) / unit),
+                 floats4(cells_.centres.row(c) / unit)};
   }
+  const bool rigid = paths_.moves_rigidly();
   for (std::size_t k = 0; k < rigid_columns_.size(); ++k) {
     rigid_columns_[k] = floats4(paths_.rigid_motions()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
   }
   const Displacing displacing = {blend_,
                                  hold_,
-                                 rest_->region->component,
+                                 region.component,
                                  posed_.data(),
-                                 paths_.moves_rigidly() ? rigid_columns_.data() : nullptr,
-                                 rest_positions_.data(),
-                                 unit_,
-                                 rotations.data(),
+                                 rigid ? rigid_columns_.data() : nullptr,
+                                 transforms,
                                  displacement.data()};
-  in_pieces(pool, n, kGrain, [&](int first, int last) { run_kernel(displacing, first, last); });
-  displace_held(displacement);
+  in_pieces(pool, region.size(), kGrain, [&](int first, int last) {
+    run_kernel(displacing, first, last);
+    for (int i = first; i < last; ++i) {
+      if (rigid) {
+        const LocalMotion& along = paths_.rigid_motions()[region.component[i]];
+        displacement.row(i) += along.displacement(rest_->local.row(i).transpose()).transpose() / unit;
+        Four* const columns = transforms[i].columns;
+        const Four before[3] = {columns[0], columns[1], columns[2]};
+        for (int c = 0; c < 3; ++c) {  // (I + M)(I + L) - I
+          const Four by = rigid_columns_[3 * region.component[i] + c];
+          columns[c] += by + by[0] * before[0] + by[1] * before[1] + by[2] * before[2];
+        }
+      }
+      if (region.classes[i] == VertexClass::Handle) {
+        displace_handle(i, unit, displacement);
+      }
+    }
+  });
   if (settings_.method == EditMethod::Default) {
-    paths_.rotate_hanging(rotations);
+    displace_hanging(unit, transforms, displacement);
   }
 }
 

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "lapedit/base/simd.h"
-#include "lapedit/base/thread_pool.h"
 #include "lapedit/cells/cell_pose.h"
 #include "lapedit/deform/rest_pose.h"
 
@@ -17,15 +16,15 @@ namespace lapedit {
 /// rotations; with EditMethod::Linear it has none.
 class CellModel {
  public:
-  /// @param mesh  rest pose; not kept after construction
+  /// @param mesh,pool  rest pose and threads; not kept after construction
   /// Cost: O(edges), some milliseconds per 10000 vertices. @throws EditError (IllConditioned, Cancelled)
-  CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings, int threads);
+  CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
+            ThreadPool&& pool);
 
   const std::shared_ptr<const RestPose>& rest() const { return rest_; }
   const RegionCells& cells() const { return cells_; }
   const CellPose& pose() const { return pose_; }
   const GroupPaths& paths() const { return paths_; }  ///< of the last solve(), at their ends
-  ThreadPool& pool() { return pool_; }
 
   /// @param handles,anchors  as for GroupPaths::set()
   /// @param quick            see CellPose::solve()
@@ -33,17 +32,28 @@ class CellModel {
   /// only.
   /// @throws EditError as GroupPaths::set()
   void solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick);
+  void solve(bool quick);  ///< repeats the last solve()
 
   /// Computes the rotations of the vertices, relative to the rigid motion of their component: those of the cells,
   /// blended as quaternions and faded to the identity across the anchor band.
   /// @param rotations  out: one per vertex, with the same bits for any number of threads and on every processor
   void spread(std::vector<Matrix3>& rotations, ThreadPool& pool);
 
-  /// Approximates the rotations of spread(), in single precision, and the displacements of the vertices from the
-  /// rigidly moved pose: vertices follow the cells, and details rotate with them (an embedded deformation). A handle
+  /// The local linear map of a vertex in single precision: the columns of T - I, where T includes the rigid motion of
+  /// the component, and the position at rest.
+  struct Transform {
+    Floats4 columns[3];
+    Floats4 rest;
+  };
+
+  /// Approximates the displacements of the vertices for a picture, relative to the rest pose's origin and in model
+  /// units over `unit`: vertices follow the cells, and details rotate with them (an embedded deformation). A handle
   /// vertex lies between the cells' pose and its target, according to its weight against the surface's weight of 1.
-  /// @param rotations,displacement  out: one per vertex; exactly the identity and zero where nothing moves
-  void displace(std::vector<Matrix3>& rotations, Points& displacement, ThreadPool& pool);
+  /// @param unit          a power of two, the unit of lengths in single precision
+  /// @param transforms       one per vertex: `rest` is read, `columns` are written
+  /// @param displacement  out, one more row than vertices: displacements from the rest pose, exactly zero where nothing
+  ///                      moves
+  void displace(double unit, Transform* transforms, Points& displacement, ThreadPool& pool);
 
  private:
   /// The pose of a cell in single precision.
@@ -51,21 +61,18 @@ class CellModel {
     Floats4 quaternion, moved, centre;
   };
   struct Displacing;
-  void displace_held(Points& displacement) const;
+  void displace_handle(int i, double unit, Points& displacement) const;
+  void displace_hanging(double unit, Transform* transforms, Points& displacement) const;
 
   std::shared_ptr<const RestPose> rest_;
   EditSettings settings_;
-  ThreadPool pool_;
   RegionCells cells_;
   CellBlend blend_;
   CellPose pose_;
   GroupPaths paths_;
-  std::vector<int> handles_;  // the region's handle vertices
   std::vector<double> hold_;  // per vertex: 0 keeps its rotation, 1 replaces it by the identity
 
   std::vector<Eigen::Vector4d> quaternions_;  // of the cells' last pose, x y z w, with either sign
-  double unit_;                               // of lengths in single precision, a power of two
-  std::vector<Floats4> rest_positions_;
   std::vector<PosedCell> posed_;
   std::vector<Floats4> rigid_columns_;  // three columns per component
 };

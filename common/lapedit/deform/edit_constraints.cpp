@@ -2,18 +2,6 @@
 #include "lapedit/deform/edit_constraints.h"
 
 namespace lapedit {
-
-EditConstraints::EditConstraints(const LaplacianSystem& system)
-    : system_(system),
-      paths_(system.region, system.rest.local, system.rest.origin),
-      right_(Points::Zero(system.region.size(), 3)) {
-  for (int i = 0; i < system.region.size(); ++i) {
-    if (system.region.classes[i] == VertexClass::Handle) {
-      handles_.push_back(i);
-    }
-  }
-}
-
 void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine& anchors) {
   paths_.set(handles, anchors);
   const Region& region = system_.region;
@@ -25,12 +13,14 @@ void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine
       rigid_pose_.row(i) += rigid_motion(i).displacement(rest.row(i).transpose()).transpose();
     }
   }
-  any_ = paths_.revolves();
-  for (const int i : handles_) {
-    const Vector3 displacement = wanted_displacement(i) - rigid_motion(i).displacement(rest.row(i).transpose());
-    right_.row(i) = system_.squared_weights[i] * displacement.transpose();
-    any_ |= !right_.row(i).isZero(0);
+  right_.setZero(region.size(), 3);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Handle) {
+      const Vector3 displacement = wanted_displacement(i) - rigid_motion(i).displacement(rest.row(i).transpose());
+      right_.row(i) = system_.squared_weights[i] * displacement.transpose();
+    }
   }
+  any_ = !right_.isZero(0) || paths_.revolves();
 }
 
 void EditConstraints::fall_off(Points& displacement) const {

@@ -14,7 +14,8 @@ namespace lapedit {
 class EditConstraints {
  public:
   /// @param system  must outlive the object
-  explicit EditConstraints(const LaplacianSystem& system);
+  explicit EditConstraints(const LaplacianSystem& system)
+      : system_(system), paths_(system.region, system.rest.local, system.rest.origin) {}
 
   /// @param handles  one per group, @param anchors motion of the anchors; both in absolute coordinates
   /// @throws EditError as GroupPaths::set()
@@ -45,7 +46,6 @@ class EditConstraints {
  private:
   const LaplacianSystem& system_;
   GroupPaths paths_;
-  std::vector<int> handles_;  // the region's handle vertices
   bool moves_rigidly_ = false, any_ = false;
   Points rigid_pose_, right_;
 };

@@ -18,9 +18,9 @@ void rotate_vertices(const LaplacianSystem& system, const EditConstraints& const
 
 /// Computes sum_j alpha_ij ((R_i + R_j) / 2 - I) (p_i - p_j), where alpha_ij = -M_ij. This is the change of delta_i =
 /// sum_j alpha_ij (p_i - p_j) when each edge rotates; edges move rigidly with their component. For a constant rotation
-/// it equals the paper's (R - I) delta_i. Subtracts sum_j alpha_ij (d_i - d_j) for a current displacement d.
+/// it equals the paper's (R - I) delta_i.
 void rotate_edges(const LaplacianSystem& system, const EditConstraints& constraints,
-                  const std::vector<Matrix3>& rotations, const Points* current, Points& rotated) {
+                  const std::vector<Matrix3>& rotations, Points& rotated) {
   constexpr int kGrain = 2048;
   for_indices(*system.pool, system.region.size(), kGrain, [&](int i) {
     Vector3 sum = Vector3::Zero();
@@ -33,11 +33,7 @@ void rotate_edges(const LaplacianSystem& system, const EditConstraints& constrai
       if (constraints.moves_rigidly()) {
         edge += constraints.rigid_motion(i).linear * edge;
       }
-      Vector3 change = 0.5 * ((rotations[i] + rotations[j]) * edge) - edge;
-      if (current != nullptr) {
-        change -= (current->row(i) - current->row(j)).transpose();
-      }
-      sum -= entry.value() * change;
+      sum -= entry.value() * (0.5 * ((rotations[i] + rotations[j]) * edge) - edge);
     }
     rotated.row(i) = sum.transpose();
   });
@@ -45,7 +41,7 @@ void rotate_edges(const LaplacianSystem& system, const EditConstraints& constrai
 
 /// Adds the rows of links, s (t - e), where t is e = p_a - p_b rotated into the direction of (R_a + R_b) e.
 const Points& rotate_links(const LaplacianSystem& system, const EditConstraints& constraints,
-                           const std::vector<Matrix3>& rotations, const Points* current, RotatedCoordinates& scratch) {
+                           const std::vector<Matrix3>& rotations, RotatedCoordinates& scratch) {
   const Eigen::VectorXd& strengths = system.powers.links;
   if (strengths.size() == 0) {
     return scratch.rotated;
@@ -59,11 +55,7 @@ const Points& rotate_links(const LaplacianSystem& system, const EditConstraints&
     Vector3 turned = (rotations[a] + rotations[b]) * edge;
     const double twice = turned.norm();
     turned *= twice > 0 ? edge.norm() / twice : 0;
-    turned -= edge;
-    if (current != nullptr) {
-      turned -= (current->row(a) - current->row(b)).transpose();
-    }
-    scratch.with_links.row(n + k) = strengths[k] * turned.transpose();
+    scratch.with_links.row(n + k) = strengths[k] * (turned - edge).transpose();
   }
   return scratch.with_links;
 }
@@ -73,25 +65,16 @@ const Points& rotate_links(const LaplacianSystem& system, const EditConstraints&
 /// For k > 1 the result is not M^T (R - I) M^k p, the rotated coordinates of order k, because the inverse of M^k
 /// amplifies their low-frequency errors. On the octopus (16,554 vertices, order 2) the stretch is 49 %, not 485 %.
 void rotate_coordinates(const LaplacianSystem& system, const EditConstraints& constraints,
-                        const std::vector<Matrix3>& rotations, const Points* current, RotatedCoordinates& scratch,
-                        Points& right) {
+                        const std::vector<Matrix3>& rotations, RotatedCoordinates& scratch, Points& right) {
   scratch.rotated.resize(system.region.size(), 3);
-  if (system.settings.method == EditMethod::Paper) {
-    rotate_vertices(system, constraints, rotations, scratch.rotated);
-  } else {
-    rotate_edges(system, constraints, rotations, current, scratch.rotated);
-  }
+  (system.settings.method == EditMethod::Paper ? rotate_vertices : rotate_edges)(system, constraints, rotations,
+                                                                                 scratch.rotated);
   for (int k = 1; k < system.settings.order; ++k) {
     system.powers.first->apply(scratch.rotated, scratch.product, *system.pool);
     scratch.rotated.swap(scratch.product);
   }
-  system.powers.m->apply_transposed(rotate_links(system, constraints, rotations, current, scratch), right,
-                                    *system.pool);
-  if (current == nullptr) {
-    right += constraints.right_hand_side();
-  } else {
-    right += constraints.right_hand_side() - system.squared_weights.asDiagonal() * *current;
-  }
+  system.powers.m->apply_transposed(rotate_links(system, constraints, rotations, scratch), right, *system.pool);
+  right += constraints.right_hand_side();
 }
 
 }  // namespace lapedit

@@ -17,12 +17,9 @@ struct RotatedCoordinates {
 /// coordinates, R_i delta_i; EditMethod::Default each edge by the mean of its ends' rotations, so that flat parts of
 /// the surface bend too, and limbs keep their thickness.
 /// @param rotations  R_i, one per vertex, relative to the rigidly moved pose
-/// @param current    displacement d from that pose, or null. The result is then the residual, `right` - A d, of the
-///                   matrix A of LaplacianSystem; not with EditMethod::Paper
 /// @param right      out, size() x 3
 /// Cost: O(edges). Nothing is allocated after the first call.
 void rotate_coordinates(const LaplacianSystem& system, const EditConstraints& constraints,
-                        const std::vector<Matrix3>& rotations, const Points* current, RotatedCoordinates& scratch,
-                        Points& right);
+                        const std::vector<Matrix3>& rotations, RotatedCoordinates& scratch, Points& right);
 
 }  // namespace lapedit

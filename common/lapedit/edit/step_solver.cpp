@@ -11,6 +11,8 @@
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit_step.h"
+#include "lapedit/edit/step_frame.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 
@@ -99,6 +101,8 @@ StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSe
   }
 }
 
+StepSolver::~StepSolver() = default;
+
 void StepSolver::make_cells(const TriangleMesh& mesh) {
   if (!cells_) {
     make_cells(mesh, options_.solver.threads);
@@ -107,7 +111,7 @@ void StepSolver::make_cells(const TriangleMesh& mesh) {
 
 void StepSolver::make_cells(const TriangleMesh& mesh, int threads) {
   const Stopwatch watch;
-  cells_ = std::make_unique<CellModel>(mesh, rest_, settings_, threads);
+  cells_ = std::make_unique<CellModel>(mesh, rest_, settings_, ThreadPool(threads));
   preparation_.cells_ms = watch.elapsed();
 }
 
@@ -162,7 +166,7 @@ void StepSolver::solve(const Points& right) {
 
 void StepSolver::rotate_and_solve() {
   Stopwatch watch;
-  rotate_coordinates(*system_, *constraints_, rotations_, nullptr, rotated_, right_);
+  rotate_coordinates(*system_, *constraints_, rotations_, rotated_, right_);
   figures_.rotate_ms += watch.lap();
   solve(right_);
   figures_.solve_ms += watch.lap();
@@ -200,7 +204,7 @@ void StepSolver::paper_pass() {
   figures_.rotation_left = largest_rotation(rotations_, {});
 }
 
-void StepSolver::solve_in_passes(const std::vector<HandleMotion>& handles, const Affine& anchors) {
+const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const Affine& anchors) {
   const bool has_cells = settings_.method == EditMethod::Default;
   Stopwatch watch;
   figures_ = PoseFigures();
@@ -225,48 +229,18 @@ void StepSolver::solve_in_passes(const std::vector<HandleMotion>& handles, const
   } else if (moves && settings_.method == EditMethod::Paper) {
     paper_pass();
   }
-  for (int i = 0; constraints_->moves_rigidly() && i < region().size(); ++i) {
-    rotations_[i] *= constraints_->rigid_rotation(i);
-  }
-  ++preparation_.poses;
-}
-
-/// Adds A^-1 (b(R) - A x0) to the displacement x0 of the cells. A is the symmetric positive definite matrix of
-/// LaplacianSystem.
-void StepSolver::correct_cells() {
-  rotate_coordinates(*system_, *constraints_, rotations_, &displacement_, rotated_, right_);
-  solver_->solve(right_, rotated_.rotated);
-  displacement_ += rotated_.rotated;
-}
-
-/// x = p + the rigid displacement of its component + d.
-void StepSolver::collect(const GroupPaths& paths, ThreadPool& pool) {
-  constexpr int kGrain = 1024;
+  // x = p + the rigid displacement of its component + d
   positions_.resize(region().size(), 3);
-  const bool rigid = paths.moves_rigidly();
-  for_indices(pool, region().size(), kGrain, [&](int i) {
+  for (int i = 0; i < region().size(); ++i) {
     Vector3 displacement = displacement_.row(i).transpose();
-    if (rigid) {
-      displacement += paths.rigid_motions()[region().component[i]].displacement(rest_->local.row(i).transpose());
+    if (constraints_->moves_rigidly()) {
+      displacement += constraints_->rigid_motion(i).displacement(rest_->local.row(i).transpose());
+      rotations_[i] *= constraints_->rigid_rotation(i);
     }
     positions_.row(i) = rest_->world.row(i) + displacement.transpose();
-  });
+  }
   finish(positions_);
-}
-
-const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, PoseAccuracy accuracy, const Affine& anchors) {
-  if (accuracy == PoseAccuracy::Passes) {
-    solve_in_passes(handles, anchors);
-  } else {
-    cells_->solve(handles, anchors, true);
-    cells_->displace(rotations_, displacement_, system_ ? *system_->pool : cells_->pool());
-  }
-  if (accuracy == PoseAccuracy::Corrected) {
-    constraints_->set(handles, anchors);
-    correct_cells();
-  }
-  collect(accuracy == PoseAccuracy::Cells ? cells_->paths() : constraints_->paths(),
-          system_ ? *system_->pool : cells_->pool());
+  ++preparation_.poses;
   return positions_;
 }
 

@@ -59,15 +59,6 @@ struct StepOptions {
   SolverOptions solver = {};
 };
 
-/// How accurate a pose is. The first two are frames of a drag, which take a fraction of the time.
-enum class PoseAccuracy {
-  Cells,      ///< of the cells, posed with few passes. Requires make_cells()
-  Corrected,  ///< x = x0 + A^-1 (b(R) - A x0), where x0 and R are those of Cells. The residual is computed in double
-              ///< precision; since x0 is off by a few hundredths of the handle's displacement, one solve with five
-              ///< digits is enough for a picture. Requires a system, too, and not EditMethod::Paper
-  Passes      ///< the solution, to the last bit. Requires a system
-};
-
 /// Solves for poses of one region with its handles (paper, sections 3 to 5). Filters, program and window solve all
 /// steps with this class, so that a step has the same bits everywhere.
 ///
@@ -78,13 +69,23 @@ enum class PoseAccuracy {
 /// displacements from the rest pose, so vertices that do not move keep their bits. The same motions give the same bits,
 /// independent of earlier poses.
 ///
+/// A frame approximates a pose in a fraction of its time. It is the pose x0 of the cells until there is a system, then
+///
+///     x = x0 + A^-1 (b(R) - A x0),
+///
+/// where the residual is computed in double precision and one solve with the existing factor follows. The error of x0
+/// is a few hundredths of the handle's displacement, so a solve with five digits is enough for a picture. Frames do not
+/// depend on earlier ones.
+///
 /// Other handles, anchors or settings need a new object, which can reuse the system of an old one.
 class StepSolver {
  public:
-  /// Stores the region.
+  /// Stores the region. Poses need prepare() or take(), frames make_cells().
   /// @param mesh  rest pose; not kept. @throws EditError (BadParameter, NoHandle) as validate() and RestPose
   StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSettings& settings,
              const StepOptions& options = {});
+  ~StepSolver();
+
   /// Makes cells if there are none, so that frames are available. Cost: some milliseconds per 10000 vertices.
   /// @throws EditError (IllConditioned, Cancelled)
   void make_cells(const TriangleMesh& mesh);
@@ -106,7 +107,7 @@ class StepSolver {
   const std::shared_ptr<const LaplacianSystem>& system() const { return system_; }  ///< null before take()
   const CellModel* cells() const { return cells_.get(); }                           ///< null if they were not made
 
-  /// Computes a pose. It does not depend on earlier ones.
+  /// Computes a pose. Requires a system.
   ///
   /// A component without anchors is first moved by the mean of its groups' maps, so that it follows a single group
   /// exactly; one with anchors by the map given for them.
@@ -116,19 +117,26 @@ class StepSolver {
   ///                  belongs to region().mesh_vertex[i]
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the object stays usable
   /// Cost: some passes, each with a solve in full precision. Nothing is allocated after the first call.
-  const Points& pose(const std::vector<HandleMotion>& handles, PoseAccuracy accuracy = PoseAccuracy::Passes,
-                     const Affine& anchors = Affine::Identity());
-  /// Returns the rotations of the last pose, one per region vertex; those of frames are relative to the rigid motions.
+  const Points& pose(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity());
+  /// Returns the rotations of the last pose, one per region vertex.
   const std::vector<Matrix3>& rotations() const { return rotations_; }
 
-  /// Returns the report of preparation and last pose, which must not be a frame. It computes residuals and stretch on
-  /// each call. Preparation times are 0 after the first pose.
+  /// Returns the report of preparation and last pose(). It computes residuals and stretch on each call. Preparation
+  /// times are 0 after the first pose.
   /// @param whole  includes the height of detail, which takes time and which no window shows
   EditReport report(bool whole = true) const;
 
   /// Returns whether frames are available and cheaper than poses: with cells, but not with EditMethod::Paper once there
   /// is a system.
   bool has_frames() const { return cells_ && (!system_ || settings_.method != EditMethod::Paper); }
+  /// Computes a frame with few passes over the cells. Requires has_frames().
+  /// @param positions  out: as pose() returns them
+  /// After the first call memory is allocated for targets only. @throws EditError (NoHandle, NotFinite)
+  void frame(const std::vector<HandleMotion>& handles, Points& positions);
+  /// Improves the last frame: first by a solve, if it has none, then with all passes over the cells, then with one more
+  /// pass over the vertices per call, up to the number that pose() makes. @return whether there was such a pass
+  /// Nothing is allocated after the first passes. @throws EditError (NotFinite)
+  bool refine(Points& positions);
 
  private:
   /// Counts and times of the last pose.
@@ -142,16 +150,21 @@ class StepSolver {
     double region_ms = 0, cells_ms = 0;
     int poses = 0;  ///< since then
   };
+  struct Frame;
 
   void make_cells(const TriangleMesh& mesh, int threads);
   void solve(const Points& right);
   void rotate_and_solve();
   void local_global();
   void paper_pass();
-  void solve_in_passes(const std::vector<HandleMotion>& handles, const Affine& anchors);
-  void correct_cells();
-  void collect(const GroupPaths& paths, ThreadPool& pool);
   void finish(Points& positions) const;
+
+  Frame& started_frame();
+  void show_cells(bool quick, Points& positions);
+  void fit_frame();
+  const Points& add_links();
+  void correct_frame(Points& positions);
+  void collect_frame(const Points* step, Points& positions);
 
   std::shared_ptr<const RestPose> rest_;
   EditSettings settings_;
@@ -169,11 +182,13 @@ class StepSolver {
   // Of the last pose, size() x 3 each; no rows before the first.
   PoseFigures figures_;
   Points displacement_;  // d, from the rigidly moved pose
-  Points right_;         // right-hand side of the normal equations, or the residual of a frame
+  Points right_;         // right-hand side of the normal equations
   Points positions_;
   std::vector<Matrix3> rotations_, rotations_before_;  // of the last two passes
   LocalStepScratch local_step_;
   RotatedCoordinates rotated_;
+
+  std::unique_ptr<Frame> frame_;  // null before the first frame
 };
 
 }  // namespace lapedit

@@ -77,7 +77,8 @@ struct Job {
 enum class Remaining {
   Nothing,
   Report,  ///< the pose is full
-  Pose     ///< the pose is a preview: the full one follows after a pause
+  Pose,    ///< the pose is a preview: passes and the full pose follow after a pause
+  Passes   ///< the pause is over: the next pass follows at once
 };
 
 /// Data that only the solver thread uses.
@@ -129,7 +130,7 @@ struct SolverThread::Impl {
   bool current() const { return work.solver && work.generation == generation; }
   bool usable() const { return current() && work.solver->system(); }
   bool has_frames() const { return current() && work.solver->has_frames(); }
-  bool is_preview() const { return remaining == Remaining::Pose; }
+  bool is_preview() const { return remaining == Remaining::Pose || remaining == Remaining::Passes; }
   bool answerable() const { return request.solve && (usable() || (has_frames() && !(request.last && request.shown))); }
   bool is_stale() const { return (work.solver || work.system) && !current() && !request.prepare; }
   bool has_work() const {
@@ -150,6 +151,7 @@ struct SolverThread::Impl {
   // Posing.
   void pose_cells(int mine, bool last);
   bool pose_frame();
+  bool refine_frame();
   void solve(int mine, Answer kind);
   void publish_pose(int mine, int serial, Remaining then, const std::shared_ptr<const EditReport>& report = nullptr);
   template <class Change>
@@ -351,7 +353,7 @@ void SolverThread::Impl::publish_pose(int mine, int serial, Remaining then,
 void SolverThread::Impl::pose_cells(int mine, bool last) {
   const Stopwatch watch;
   try {
-    work.pose.positions = work.solver->pose(work.maps, PoseAccuracy::Cells);
+    work.solver->frame(work.maps, work.pose.positions);
   } catch (const std::exception&) {
     if (last) {
       return;  // the full pose will report it
@@ -368,13 +370,23 @@ bool SolverThread::Impl::pose_frame() {
     return false;
   }
   try {
-    work.pose.positions = work.solver->pose(work.maps, PoseAccuracy::Corrected);
+    work.solver->frame(work.maps, work.pose.positions);
   } catch (const EditError& error) {
     if (error.cause() != ErrorCause::NotFinite) {
       throw;
     }
     return false;  // coordinates are too large: the full pose will report it
   }
+  return true;
+}
+
+/// Computes the next pass of the last frame. @return whether there was one
+bool SolverThread::Impl::refine_frame() {
+  const Stopwatch watch;
+  if (!has_frames() || !work.solver->refine(work.pose.positions)) {
+    return false;
+  }
+  work.pose.solve_ms = watch.elapsed();
   return true;
 }
 
@@ -398,20 +410,25 @@ void SolverThread::Impl::solve(int mine, Answer kind) {
 bool SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
   const auto ready = [this] { return has_work(); };
   if (remaining != Remaining::Nothing && usable()) {
-    const auto pause = std::clamp<Clock::duration>(2 * request.apart, kPause, kLongestPause);
+    const Clock::duration pause = remaining == Remaining::Passes
+                                      ? Clock::duration()
+                                      : std::clamp<Clock::duration>(2 * request.apart, kPause, kLongestPause);
     return requested.wait_for(lock, pause, ready);
   }
   requested.wait(lock, ready);
   return true;
 }
 
-/// Completes the last pose, one stage per call: the full pose, then, after another pause, its report.
+/// Completes the last pose, one stage per call: its further passes, each published as a frame, then the full pose,
+/// then, after another pause, its report.
 void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
   const bool is_frame = is_preview();
   lock.unlock();
   const std::string error = message_of([&] {
-    if (is_frame) {
+    if (is_frame && refine_frame()) {
+      publish_pose(mine, work.serial, Remaining::Passes);
+    } else if (is_frame) {
       solve(mine, Answer::Full);
     } else {
       const Progress keep_going = [this, mine](double, const char*) {

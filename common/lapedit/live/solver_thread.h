@@ -75,8 +75,9 @@ class SolverThread {
 
   /// Requests a pose of the region prepared last or being prepared; without a region it does nothing. @return the
   /// serial number of the request, ascending
-  /// @param last  true: the final pose, solved in full, with its report. false: a frame; when no request follows, the
-  ///              full pose follows with the same serial number, and then the report
+  /// @param last  true: the final pose, solved in full, with its report. false: a frame; when no request
+  ///              follows, further passes and the full pose follow, all with the same serial number, and then the
+  ///              report
   /// Nothing is allocated if an earlier call had as many maps.
   int solve(const std::vector<HandleMotion>& maps, bool last);
 
