@@ -34,7 +34,9 @@ SparseMatrix from_weights(const Region& region, const std::vector<double>& weigh
   const IndexLists& neighbours = region.neighbours;
   Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows(region.size(), region.size());
   rows.reserve(static_cast<Eigen::Index>(neighbours.values.size()) + region.size());
+  Checkpoints checkpoints;
   for (int j = 0; j < region.size(); ++j) {
+    checkpoints();
     rows.startVec(j);
     bool has_diagonal = neighbours[j].size() == 0;
     for (int k = neighbours.offsets[j]; k < neighbours.offsets[j + 1]; ++k) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lapedit/base/progress.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/mesh/surface_measures.h"
 

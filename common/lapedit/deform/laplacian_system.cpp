@@ -77,11 +77,13 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
       stretch = membrane_factor(settings, s_.region, s_.rest.world, whole.sums.mean()) * whole.sums;
     }
     Eigen::VectorXd links = link_strengths(s_.region, s_.rest.world, settings.order);
-    const OperatorRows::Rows rows(whole.matrix);
     checkpoint();
-    const OperatorRows::Rows* const old = same ? &previous_->powers.first->rows() : nullptr;
-    operator_reused_ = old && old->nonZeros() == rows.nonZeros() && old->coeffs().matrix() == rows.coeffs().matrix() &&
-                       previous_->powers.stretch == stretch && previous_->powers.links == links;
+    if (same) {
+      const OperatorRows::Rows rows(whole.matrix);
+      const OperatorRows::Rows& old = previous_->powers.first->rows();
+      operator_reused_ = old.nonZeros() == rows.nonZeros() && old.coeffs().matrix() == rows.coeffs().matrix() &&
+                         previous_->powers.stretch == stretch && previous_->powers.links == links;
+    }
     if (!operator_reused_) {
       LaplacianPowers& powers = s_.powers;
       powers.m = std::make_shared<const OperatorRows>(

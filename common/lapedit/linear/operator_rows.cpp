@@ -2,6 +2,7 @@
 #include "lapedit/linear/linear.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -29,10 +30,35 @@ void multiply(const Compressed& lists, const Points& x, Points& out, ThreadPool&
   });
 }
 
+/// Converts as Eigen does, but can be cancelled.
+OperatorRows::Rows by_rows(const SparseMatrix& matrix) {
+  OperatorRows::Rows rows(matrix.rows(), matrix.cols());
+  int* const offsets = rows.outerIndexPtr();
+  const auto each_entry = [&matrix](const auto& use) {
+    Checkpoints checkpoints;
+    for (int j = 0; j < matrix.outerSize(); ++j) {
+      checkpoints();
+      for (SparseMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
+        use(entry);
+      }
+    }
+  };
+  each_entry([&](const auto& entry) { ++offsets[entry.row() + 1]; });
+  std::partial_sum(offsets, offsets + matrix.rows() + 1, offsets);
+  rows.resizeNonZeros(offsets[matrix.rows()]);
+  std::vector<int> next(offsets, offsets + matrix.rows());
+  each_entry([&](const auto& entry) {
+    const int to = next[static_cast<std::size_t>(entry.row())]++;
+    rows.innerIndexPtr()[to] = static_cast<int>(entry.col());
+    rows.valuePtr()[to] = entry.value();
+  });
+  return rows;
+}
+
 }  // namespace
 
 OperatorRows::OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch)
-    : rows_(matrix), columns_(matrix) {
+    : rows_(by_rows(matrix)), columns_(matrix) {
   for (Eigen::Index i = 0; i < stretch.size(); ++i) {
     if (stretch[i] != 0) {  // otherwise there may be no such entry
       columns_.coeffRef(i, i) += stretch[i];

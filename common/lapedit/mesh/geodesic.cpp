@@ -337,6 +337,7 @@ void DistanceField::advance(Front& front, double end) {
                          });
     }
   }
+  checkpoint(static_cast<int>(front.near.size()));  // a front may be too small for the loop's own
 }
 
 }  // namespace lapedit

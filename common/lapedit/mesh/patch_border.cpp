@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "lapedit/base/progress.h"
+
 namespace lapedit {
 
 using Edge = std::pair<unsigned, unsigned>;

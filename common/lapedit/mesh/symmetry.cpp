@@ -7,6 +7,7 @@
 #include <map>
 
 #include "lapedit/base/error.h"
+#include "lapedit/base/progress.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
