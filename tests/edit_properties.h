@@ -227,8 +227,7 @@ TEST_P(EditProperties, FarFromTheOriginTheDigitsThatAreLeftAreRight) {
   const Vector3 offset = far.mesh.vertices.row(far.handles[0][0]).transpose();
   near.mesh.vertices.rowwise() -= offset.transpose();
   for (std::size_t g = 0; g < edit.maps.size(); ++g) {
-    far.maps[g] = support::shift(0.1 * size * Vector3(1, 2, static_cast<double>(g)));
-    near.maps[g] = far.maps[g];
+    far.maps[g].map = near.maps[g].map = support::shift(0.1 * size * Vector3(1, 2, static_cast<double>(g)));
   }
   for_all_settings([&](const EditSettings& settings) {
     support::Prepared there = solver_of(far, settings), here = solver_of(near, settings);

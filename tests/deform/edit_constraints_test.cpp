@@ -17,7 +17,7 @@ struct Scene {
   TriangleMesh mesh = shapes::two_pieces(2);
   std::shared_ptr<const LaplacianSystem> system =
       prepare_system(mesh, support::rest_pose(mesh, support::whole_region(mesh, {{100}, {200}, {250, 251}}, {0, 1})),
-                     EditSettings::of(EditMethod::Paper), {}, nullptr, {});
+                     EditSettings::of(EditMethod::Paper), {}, nullptr);
   EditConstraints constraints{*system};
 
   Vector3 rest(int i) const { return system->rest.local.row(i).transpose(); }

@@ -63,7 +63,8 @@ void SessionSolver::handles_changed() {
 }
 
 void SessionSolver::request_preparation(PrepareTask task) {
-  preparation_ = {true};
+  preparation_ = Preparation();
+  preparation_.running = true;
   worker_.prepare(std::move(task));
 }
 
@@ -499,7 +500,8 @@ SessionSolver::Response SessionSolver::poll() {
     figures_.preview_ms = update.preview_ms;
   }
   if (update.ready) {
-    preparation_ = {false, true, true};
+    preparation_ = Preparation();
+    preparation_.has_preview = preparation_.ready = true;
     figures_.full_frames = update.full_frames;
     figures_.prepare_ms = update.prepare_ms;
   }
