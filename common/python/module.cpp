@@ -304,8 +304,8 @@ nb::tuple edit(const Given& given, double fraction, const nb::object& progress) 
     SolverOptions options;
     options.threads = running.threads(mesh.vertices.rows());
     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, options.threads);
-    result = std::move(
-        apply_edit(mesh, adjacency, edit, given.selection, {fraction}, given.scalar, {}, options).front());
+    result =
+        std::move(apply_edit(mesh, adjacency, edit, given.selection, {fraction}, given.scalar, {}, options).front());
     report = report_text(mesh, fraction, result.reports);
   });
   return nb::make_tuple(array_of(std::move(result.vertices)), array_of(std::move(result.positions)), text_of(report));
