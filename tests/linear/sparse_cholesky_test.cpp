@@ -284,12 +284,14 @@ TEST(SparseCholesky, CanBeCancelledBetweenSmallTasks) {
       return ++calls != last;
     };
     Points x;
+    int all = 0;
     {
       const ProgressScope scope(progress);
-      SparseCholesky(matrix, options).solve(random_points(120 * 120, 1), x);
+      const SparseCholesky cholesky(matrix, options);
+      all = std::exchange(calls, 0);
+      cholesky.solve(random_points(120 * 120, 1), x);
     }
     EXPECT_TRUE(x.allFinite());
-    const int all = std::exchange(calls, 0);
     EXPECT_GE(all, threads == 1 ? 24 : 0);  // the others may have done all
     for (last = 1; last <= all; last += 5) {
       bool ended = false;
