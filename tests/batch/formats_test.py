@@ -243,6 +243,9 @@ class Damage(ProgramTest):
                             + b"end_header\n" + end)):
             (self.work / name).write_bytes(data)
             self.done("--info", name, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (10, 10)))
+        edit = '{"laplacian_edit": 1, "steps": [' + ",".join(300000 * ["{}"]) + "]}"
+        self.refused(REFUSED, "the key is missing", "elements.ply", "out.ply", "-", given=edit.encode(),
+                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (10, 10)))
 
     def test_binary_stl_that_begins_with_solid(self):
         data = files.stl_binary(DOME, b"solid or not")

@@ -11,29 +11,27 @@ namespace {
 
 constexpr std::size_t kDeepest = 1024, kMostKeys = 100;
 
-/// Checks what the library's parser reads, since the parser accepts duplicate keys (the last one wins, found by linear
-/// search) and any depth.
-class Watch {
+/// Checks a text before the library's parser reads it, since the parser accepts duplicate keys (the last one wins,
+/// found by linear search) and any depth. Its callback would do, but takes time of the square of the length of a list.
+class Watch : public Json::json_sax_t {
  public:
-  bool operator()(int, Json::parse_event_t event, const Json& value) {
-    using Event = Json::parse_event_t;
-    if (event == Event::key) {
-      add_key(value.get_ref<const std::string&>());
-    } else if (event == Event::object_start || event == Event::array_start) {
-      if (open_.size() == kDeepest) {
-        refuse_json("The edit nests lists or objects more than " + std::to_string(kDeepest) +
-                    " deep; a valid one nests them 6 deep.");
-      }
-      open_.push_back({event == Event::array_start, 0, {}, {}});
-    } else {
-      if (event != Event::value) {
-        open_.pop_back();
-      }
-      if (!open_.empty()) {
-        ++open_.back().entries;
-      }
-    }
+  bool null() override { return add_entry(); }
+  bool boolean(bool) override { return add_entry(); }
+  bool number_integer(Json::number_integer_t) override { return add_entry(); }
+  bool number_unsigned(Json::number_unsigned_t) override { return add_entry(); }
+  bool number_float(Json::number_float_t, const Json::string_t&) override { return add_entry(); }
+  bool string(Json::string_t&) override { return add_entry(); }
+  bool binary(Json::binary_t&) override { return add_entry(); }
+  bool start_object(std::size_t) override { return open(false); }
+  bool start_array(std::size_t) override { return open(true); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(Json::string_t& key) override {
+    add_key(key);
     return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+    return false;  // the parser reports it
   }
 
  private:
@@ -43,6 +41,27 @@ class Watch {
     std::string key;      ///< the last key
     std::set<std::string> keys;
   };
+
+  bool open(bool is_array) {
+    if (open_.size() == kDeepest) {
+      refuse_json("The edit nests lists or objects more than " + std::to_string(kDeepest) +
+                  " deep; a valid one nests them 6 deep.");
+    }
+    open_.push_back({is_array, 0, {}, {}});
+    return true;
+  }
+
+  bool close() {
+    open_.pop_back();
+    return add_entry();
+  }
+
+  bool add_entry() {
+    if (!open_.empty()) {
+      ++open_.back().entries;
+    }
+    return true;
+  }
 
   void add_key(const std::string& key) {
     Open& object = open_.back();
@@ -104,7 +123,9 @@ Json parse_json(std::string json) {
   }
   Json root;
   try {
-    root = Json::parse(json, [watch = Watch()](auto... read) mutable { return watch(read...); });
+    Watch watch;
+    Json::sax_parse(json, &watch);
+    root = Json::parse(json);
   } catch (const Json::exception& error) {
     std::string what = error.what();
     what.erase(0, what.find("] ") + 2);                           // removes the library's error number
