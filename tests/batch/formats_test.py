@@ -151,7 +151,8 @@ class Damage(ProgramTest):
         for name, data in (("a.ply", files.ply_plain(mesh)), ("a.obj", files.obj(mesh)), ("a.off", files.off(mesh)),
                            ("a.stl", b"solid a\nendsolid\n")):
             (self.work / name).write_bytes(data)
-            self.refused(REFUSED, "no (vertices|faces)|0 (vertices|faces)", name, "out" + name[-4:], self.edit)
+            self.refused(REFUSED, "no (vertices|faces)|0 (vertices|faces)", name, "out" + name[-4:], "-",
+                         given=b'{"laplacian_edit": 1, "steps": [{"region": {"component": true}, "handles": [{"vertices": "0"}]}]}')
             self.assertIn("faces: 0\n", self.done("--info", name))
 
     def test_selection_of_meshlab(self):

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -84,6 +85,34 @@ TEST(EliminationOrder, IsAPermutation) {
 }
 
 /// Fails if threads, what was ordered before, or where the graph's lists stand in memory enters.
+TEST(EliminationOrder, VertexWithThousandsOfNeighboursComesLastAndChangesNoOtherPlace) {
+  constexpr int kSide = 150, kHub = kSide * kSide;
+  IndexLists grid, with_hub;
+  for (int v = 0; v <= kHub; ++v) {
+    const bool is_spoke = v < 20 * kSide;
+    for (const int w : {v - kSide, v - 1, v + 1, v + kSide}) {
+      const bool same_row = std::abs(w - v) != 1 || w / kSide == v / kSide;
+      if (v < kHub && w >= 0 && w < kHub && same_row) {
+        grid.values.push_back(w);
+        with_hub.values.push_back(w);
+      }
+    }
+    for (int w = 0; v == kHub && w < 20 * kSide; ++w) {
+      with_hub.values.push_back(w);
+    }
+    if (is_spoke) {
+      with_hub.values.push_back(kHub);
+    }
+    grid.offsets.push_back(static_cast<int>(grid.values.size()));
+    with_hub.offsets.push_back(static_cast<int>(with_hub.values.size()));
+  }
+  std::vector<int> order = fill_reducing_ordering(with_hub, 1), without = fill_reducing_ordering(grid, 1);
+  EXPECT_EQ(order.back(), kHub);
+  without.erase(std::find(without.begin(), without.end(), kHub));
+  order.pop_back();
+  EXPECT_EQ(order, without);
+}
+
 TEST(EliminationOrder, DependsOnTheGraphAlone) {
   for (const auto& [name, graph] : large_graphs()) {
     const std::vector<int> order = fill_reducing_ordering(graph, 1);

@@ -287,7 +287,7 @@ TEST(SparseCholesky, CanBeCancelledBetweenSmallTasks) {
     int all = 0;
     {
       const ProgressScope scope(progress);
-      const SparseCholesky cholesky(matrix, options);
+      SparseCholesky cholesky(matrix, options);
       all = std::exchange(calls, 0);
       cholesky.solve(random_points(120 * 120, 1), x);
     }

@@ -61,7 +61,7 @@ class OperatorRows {
 /// is as good, below some ten thousand vertices.
 ///
 /// Nested dissection with edge counts to three distant vertices as coordinates: on a surface they give 2 to 3 % more
-/// fill than its own coordinates, and an edited shape keeps its order and its factor.
+/// fill than its own coordinates, and an edited shape keeps its order and its factor. Hubs (kLongRow) come last.
 /// @param threads  at most this many (0: all of the machine's); the order does not depend on it
 /// Cost: as for nested_dissection().
 std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads);

@@ -486,12 +486,22 @@ std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& p
   return order;
 }
 
-std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads) {
+std::vector<int> fill_reducing_ordering(const IndexLists& given, int threads) {
   constexpr int kWorthwhile = 20000;  // measured with tests/scripts/speed.sh
-  const int n = neighbours.rows();
+  const int n = given.rows();
   if (n < kWorthwhile) {
     return {};
   }
+  // The rows of hubs are not in the factor. With their edges all vertices would be near each other.
+  const auto is_hub = [&given](int v) { return given[v].size() >= kLongRow; };
+  IndexLists without;
+  for (int v = 0; v < n; ++v) {
+    const IndexLists::Row row = given[v];
+    std::copy_if(row.begin(), row.end(), std::back_inserter(without.values),
+                 [&](int w) { return !is_hub(v) && !is_hub(w); });
+    without.offsets.push_back(static_cast<int>(without.values.size()));
+  }
+  const IndexLists& neighbours = without.values.size() < given.values.size() ? without : given;
   std::vector<int> first, second, third, queue;
   const int a = count_edges(neighbours, 0, first, queue);
   const int b = count_edges(neighbours, a, first, queue);
@@ -507,7 +517,9 @@ std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int thread
   for (int v = 0; v < n; ++v) {
     coordinates.row(v) << first[v], second[v], third[v];
   }
-  return nested_dissection(neighbours, coordinates, threads);
+  std::vector<int> order = nested_dissection(neighbours, coordinates, threads);
+  std::stable_partition(order.begin(), order.end(), [&is_hub](int v) { return !is_hub(v); });
+  return order;
 }
 
 }  // namespace lapedit
