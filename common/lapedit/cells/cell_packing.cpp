@@ -67,13 +67,13 @@ class Packing {
   bool has_inside_ = false;     // whether a rigid part has vertices inside its border
   std::vector<float> density_;  // per vertex: spacing_ over the local spacing
   double spacing_ = 0, extent_ = 0;
-  Vector3 middle_;
   std::vector<Steps> lengths_;  // per entry of neighbours
   std::vector<int> order_;
   std::vector<std::uint32_t> keys_;
   std::vector<Steps> distance_;  // from the nearest seed
   std::vector<int> queue_;
   struct {
+    Vector3 middle;        // of the region
     std::vector<int> run;  // vertices at the same distance from the rims of handles
     std::vector<std::int64_t> from_middle;
     std::vector<std::uint64_t> marks;  // hashes of the surroundings; computed when needed
@@ -364,7 +364,7 @@ int Packing::seed(int most, std::vector<int>& of) {
   distance_.assign(n, kFar);
   ties_.marks.clear();
   for_indices(pool_, n, kGrain,
-              [&](int i) { ties_.from_middle[i] = in_steps((rest_.row(i).transpose() - middle_).norm()); });
+              [&](int i) { ties_.from_middle[i] = in_steps((rest_.row(i).transpose() - ties_.middle).norm()); });
   int cells = 0;
   for (const int v : lone_) {
     claim(v, cells++, of);
@@ -401,7 +401,7 @@ int Packing::pack(std::vector<int>& of) {
   find_rigid();
   choose_spacing();
   sort();
-  middle_ = rest_.colwise().mean().transpose();
+  ties_.middle = rest_.colwise().mean().transpose();
   ties_.from_middle.resize(region_.size());
   constexpr double kTooMany = 1.3;
   constexpr int kTries = 6;
