@@ -66,8 +66,9 @@ int vertex_number(const std::string& text) {
 void add_range(const JsonValue& value, int first, int last, Ranges& ranges) {
   Source& source = *value.source;
   if (last >= source.end) {
+    const std::int64_t beyond = std::max<std::int64_t>(first, source.end);
     const std::string sentence =
-        "vertex " + std::to_string(std::max<std::int64_t>(first, source.end)) +
+        "vertex " + std::to_string(beyond) +
         (source.by_position
              ? " is not among mesh.positions, by which the edit is applied; add it."
              : " is outside the edit's mesh, which has " + std::to_string(source.end) + " vertices, counted from 0.");
@@ -75,7 +76,8 @@ void add_range(const JsonValue& value, int first, int last, Ranges& ranges) {
       value.refuse(sentence);
     }
     if (!source.later) {
-      source.later.emplace(ErrorCause::BadScript, value.where + ": " + sentence);
+      source.later.emplace(ErrorCause::BadScript, value.where + ": " + sentence, static_cast<int>(beyond))
+          .at(value.where);
     }
     return;
   }
