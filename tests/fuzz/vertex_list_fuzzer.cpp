@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Any text as a vertex list of an edit: a plain second reader decides what is accepted and what it means.
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -50,7 +51,11 @@ std::optional<std::vector<int>> read_plainly(const std::string& text) {
       vertices.push_back(vertex);
     }
   }
-  return vertices.size() > kVertices ? std::nullopt : std::optional(vertices);
+  if (vertices.size() > kVertices) {  // a set
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  }
+  return vertices;
 }
 
 }  // namespace

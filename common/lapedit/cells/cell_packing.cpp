@@ -43,7 +43,7 @@ class Packing {
   void claim(int seed, int cell, std::vector<int>& of);
   std::int64_t in_steps(double length) const;
   std::array<std::int64_t, 3> position(int vertex) const;
-  void name_groups(std::vector<int>& name) const;
+  std::vector<std::uint64_t> names() const;
   void mark();
   void sort_tied();
   int mirror_image(std::size_t t) const;
@@ -254,15 +254,31 @@ std::array<std::int64_t, 3> Packing::position(int vertex) const {
   return {in_steps(rest_(vertex, 0)), in_steps(rest_(vertex, 1)), in_steps(rest_(vertex, 2))};
 }
 
-/// Gives each vertex the group on its shortest path to a handle, the lower one if two groups are equally near.
-void Packing::name_groups(std::vector<int>& name) const {
+std::uint64_t mixed(std::uint64_t x) {  // the end of SplitMix64
+  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9U;
+  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBU;
+  return x ^ (x >> 31U);
+}
+
+/// Returns for each vertex a hash of the group on its shortest path to a handle, the lower one if two groups are
+/// equally near. The hash depends on how far the group's vertices are from the middle, and not on the order of groups.
+std::vector<std::uint64_t> Packing::names() const {
   constexpr std::int64_t kSame = 2;
   const double scale = extent_ > 0 ? kKeys / extent_ : 0;
-  name = group_;
+  std::vector<std::uint64_t> of_group(1 + *std::max_element(group_.begin(), group_.end()), 0), name(region_.size(), 0);
+  for (int v = 0; v < region_.size(); ++v) {
+    if (group_[v] >= 0) {
+      of_group[group_[v]] += mixed(static_cast<std::uint64_t>(ties_.from_middle[v]));  // the same in any order
+    }
+  }
   for (const int v : order_) {
     std::int64_t shortest = INT64_MAX;
+    if (group_[v] >= 0) {
+      name[v] = of_group[group_[v]];
+      continue;
+    }
     for (const int w : region_.neighbours[v]) {
-      if (group_[v] < 0 && keys_[w] < keys_[v] && name[w] >= 0) {
+      if (keys_[w] < keys_[v] && name[w] != 0) {
         const std::int64_t through =
             whole_part(keys_[w] + scale * (rest_.row(v) - rest_.row(w)).norm() + 0.3, std::int64_t{0}, INT64_MAX / 2);
         if (through + kSame < shortest || (through <= shortest + kSame && name[w] < name[v])) {
@@ -272,12 +288,7 @@ void Packing::name_groups(std::vector<int>& name) const {
       }
     }
   }
-}
-
-std::uint64_t mixed(std::uint64_t x) {  // the end of SplitMix64
-  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9U;
-  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBU;
-  return x ^ (x >> 31U);
+  return name;
 }
 
 /// Marks each vertex with a hash of the lengths and number of the edges around it. The hash does not depend on the
@@ -285,13 +296,11 @@ std::uint64_t mixed(std::uint64_t x) {  // the end of SplitMix64
 void Packing::mark() {
   constexpr int kRings = 2;
   const IndexLists& neighbours = region_.neighbours;
-  std::vector<int> name;
-  name_groups(name);
+  const std::vector<std::uint64_t> name = names();
   std::vector<std::uint64_t> before(region_.size());
   ties_.marks.resize(region_.size());
   for_indices(pool_, region_.size(), kGrain, [&](int i) {
-    ties_.marks[i] = mixed(keys_[i] + mixed(static_cast<std::uint64_t>(ties_.from_middle[i]) +
-                                            mixed(static_cast<std::uint64_t>(std::int64_t{name[i]} + 2))));
+    ties_.marks[i] = mixed(keys_[i] + mixed(static_cast<std::uint64_t>(ties_.from_middle[i]) + mixed(name[i])));
   });
   for (int ring = 0; ring < kRings; ++ring) {
     before.swap(ties_.marks);
