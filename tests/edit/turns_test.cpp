@@ -300,5 +300,51 @@ TEST(Turns, RevolutionsOfAllAreRigid) {
   EXPECT_TRUE(support::same_bits(alone.pose({revolution}), twist.edit.mesh.vertices));
 }
 
+/// A ball with six bumps, which the rotations of the cube map onto itself, so that nearly everything in it is tied.
+/// Each bump rotates by another angle, and some vertices are held.
+EditStep star_step(TriangleMesh& mesh) {
+  mesh = shapes::icosphere(4);
+  EditStep step;
+  step.region = support::component();
+  step.handles.resize(7);
+  for (int v = 0; v < static_cast<int>(mesh.vertices.rows()); ++v) {
+    const Eigen::RowVector3d p = mesh.vertices.row(v);
+    double radius = 1;
+    for (int k = 0; k < 6; ++k) {
+      const double cosine = (k % 2 == 0 ? 1 : -1) * p[k / 2];
+      radius += 1.5 * std::exp(12 * (cosine - 1));
+      if (cosine > 0.97) {
+        step.handles[k].vertices.push_back(v);
+      }
+    }
+    if (p.minCoeff() > 0.5) {
+      step.handles[6].vertices.push_back(v);
+    }
+    mesh.vertices.row(v) *= radius;
+  }
+  for (int k = 0; k < 6; ++k) {
+    HandleTransform& transform = step.handles[k].transform;
+    transform.axis = (k % 2 == 0 ? 1 : -1) * Vector3::Unit((k / 2 + 1) % 3);
+    transform.degrees = 40 + 10 * k;
+    transform.center = Vector3::Zero();
+  }
+  return step;
+}
+
+TEST(Turns, OrderOfHandleGroupsDoesNotMatter) {
+  TriangleMesh mesh;
+  const EditStep step = star_step(mesh);
+  const Points expected = support::edited(mesh, support::apply_step(mesh, step));
+  for (const unsigned seed : {1, 2, 3}) {
+    EditStep other = step;
+    const std::vector<int> order = support::shuffled(7, seed);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      other.handles[k] = step.handles[order[k]];
+    }
+    const Points result = support::edited(mesh, support::apply_step(mesh, other));
+    EXPECT_LT(support::error(result, expected), 1e-4) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace lapedit::turns_test
