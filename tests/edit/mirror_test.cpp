@@ -257,6 +257,23 @@ TEST(Mirror, ImageIsAsDenseAsTheSurfaceThere) {
   EXPECT_EQ(MirroredHandles(mesh, {{group[0]}}, plane).groups()[1].size(), 1U);
 }
 
+TEST(Mirror, WorkGrowsWithTheVerticesHoweverManyGroupsThereAre) {
+  const TriangleMesh mesh = shapes::grid(60, 60);
+  const MirrorPlane plane{{29.5, 0, 0}, {1, 0, 0}};
+  const auto calls = [&](int count) {
+    std::vector<std::vector<int>> groups;
+    for (int g = 0; g < count; ++g) {
+      groups.push_back({12 * g, 3599 - 12 * g});
+    }
+    int calls = 0;
+    const Progress progress = [&calls](double, const char*) { return ++calls > 0; };
+    const ProgressScope scope(progress);
+    const MirroredHandles handles(mesh, groups, plane);
+    return calls;
+  };
+  EXPECT_LE(calls(140), 1 + calls(3));
+}
+
 TEST(Mirror, KeptAnchorsAreMirroredWithTheirWeights) {
   const TriangleMesh mesh = shapes::icosphere(3);
   RegionSpec spec = support::given(disc(mesh, kRight, 0.4));

@@ -54,13 +54,12 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
       taken[v] = 1;
     }
   }
-  std::vector<std::vector<std::pair<int, int>>> pairs;
+  const std::vector<MirrorImages::Pairs> pairs = images.of(groups, missing);
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const std::vector<int>& group = groups[g];
     std::vector<int> image;
     std::vector<double> image_weights;
-    pairs.push_back(images.of(group, missing));
-    for (const auto& [v, original] : pairs.back()) {
+    for (const auto& [v, original] : pairs[g]) {
       const auto at = static_cast<std::size_t>(index_in(group, original));
       symmetric_[g] |= contains(group, v);
       if (!taken[v]) {
@@ -87,7 +86,7 @@ MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std
   }
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const std::vector<int>& given = groups[static_cast<std::size_t>(source_[g])];
-    const std::vector<std::pair<int, int>>& image = pairs[static_cast<std::size_t>(source_[g])];
+    const MirrorImages::Pairs& image = pairs[static_cast<std::size_t>(source_[g])];
     centroids_.push_back(centroid(mesh.vertices, groups_[g]));
     rest_.push_back(gather(mesh.vertices, groups_[g]));
     std::vector<Twin>& twins = twins_.emplace_back();

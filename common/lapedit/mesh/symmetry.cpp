@@ -211,33 +211,49 @@ int MirrorImages::of(int v) const {
   return position.allFinite() ? grid_.nearest(position, limit_) : -1;
 }
 
-std::vector<std::pair<int, int>> MirrorImages::of(const std::vector<int>& set, std::vector<int>& missing) const {
-  std::vector<std::pair<int, int>> pairs;
-  Eigen::AlignedBox3d box;
+std::vector<MirrorImages::Pairs> MirrorImages::of(const std::vector<std::vector<int>>& sets,
+                                                  std::vector<int>& missing) const {
+  std::vector<Pairs> all(sets.size());
+  std::vector<Eigen::AlignedBox3d> boxes(sets.size());
+  std::vector<int> set_of(mesh_.vertices.rows(), -1), finite;
+  Eigen::AlignedBox3d whole;
   Checkpoints checkpoints;
-  for (const int v : set) {
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    for (const int v : sets[s]) {
+      checkpoints();
+      boxes[s].extend(mirror_ * position_of(mesh_.vertices, v));
+      const int image = of(v);
+      if (image >= 0) {
+        all[s].emplace_back(image, v);
+      } else {
+        missing.push_back(v);
+      }
+      if (sets[s].size() > 1 && position_of(mesh_.vertices, v).allFinite()) {
+        set_of[v] = static_cast<int>(s);
+        finite.push_back(v);
+      }
+    }
+    const Vector3 margin = Vector3::Constant(edge_);
+    boxes[s] = Eigen::AlignedBox3d(boxes[s].min() - margin, boxes[s].max() + margin);
+    whole.extend(boxes[s]);
+  }
+  const VertexGrid grid(mesh_.vertices, finite);
+  for (std::size_t k = 0; !finite.empty() && k < usable_.size(); ++k) {
     checkpoints();
-    box.extend(mirror_ * position_of(mesh_.vertices, v));
-    const int image = of(v);
-    if (image >= 0) {
-      pairs.emplace_back(image, v);
-    } else {
-      missing.push_back(v);
+    const int v = usable_[k];
+    const Vector3 position = position_of(mesh_.vertices, v);
+    const bool is_near = whole.contains(position) && grid.nearest(mirror_ * position, limit_) >= 0;
+    const int image = is_near ? of(v) : -1;
+    if (image >= 0 && set_of[image] >= 0 && boxes[set_of[image]].contains(position)) {
+      all[set_of[image]].emplace_back(v, image);
     }
   }
-  const Vector3 margin = Vector3::Constant(edge_);
-  box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
-  for (std::size_t k = 0; set.size() > 1 && k < usable_.size(); ++k) {
-    checkpoints();
-    const int v = usable_[k], image = box.contains(position_of(mesh_.vertices, v)) ? of(v) : -1;
-    if (image >= 0 && contains(set, image)) {
-      pairs.emplace_back(v, image);
-    }
-  }
-  std::sort(pairs.begin(), pairs.end());
   const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
-  pairs.erase(std::unique(pairs.begin(), pairs.end(), same), pairs.end());
-  return pairs;
+  for (Pairs& pairs : all) {
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end(), same), pairs.end());
+  }
+  return all;
 }
 
 std::vector<int> MirrorImages::joined(std::vector<int> set, const char* what) const {
@@ -246,7 +262,8 @@ std::vector<int> MirrorImages::joined(std::vector<int> set, const char* what) co
     require_vertex(what, v, mesh_.vertices.rows());
   }
   std::vector<int> missing;
-  for (const auto& pair : of(set, missing)) {
+  const std::vector<Pairs> image = of({set}, missing);
+  for (const auto& pair : image.front()) {
     set.push_back(pair.first);
   }
   return sorted_set(std::move(set));
@@ -271,7 +288,8 @@ RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const Mi
     entry.emplace(kept.vertices[k], k);
   }
   std::vector<int> missing;
-  for (const auto& [v, original] : images.of(sorted_set(kept.vertices), missing)) {
+  const std::vector<MirrorImages::Pairs> image = images.of({sorted_set(kept.vertices)}, missing);
+  for (const auto& [v, original] : image.front()) {
     if (entry.count(v) == 0) {  // a vertex that was an anchor keeps its weight and depth
       result.anchors.vertices.push_back(v);
       result.anchors.weights.push_back(kept.weights[entry[original]]);
