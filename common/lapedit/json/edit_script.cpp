@@ -32,7 +32,6 @@ struct Source {
   std::int64_t end = std::int64_t{1} << 31;  ///< the first number that is no vertex
   std::int64_t most = kMostListedVertices;   ///< number of vertices that can be listed
   bool by_position = false;                  ///< these are those of mesh.positions
-  bool of_mesh = false;                      ///< these are those of the mesh, which the text does not know
   std::int64_t listed = 0;                   ///< vertices in the lists before
   std::optional<EditError> later = {};       ///< thrown at the end, since errors of the text itself come first
 };
@@ -62,26 +61,21 @@ int vertex_number(const std::string& text) {
   return error == std::errc() && stop == end && digits[0] != '-' ? number : -1;
 }
 
-/// Adds a range of vertices. @throws EditError (BadScript) if it goes beyond the mesh
+/// Adds a range of vertices, unless it goes beyond the mesh.
 void add_range(const JsonValue& value, int first, int last, Ranges& ranges) {
   Source& source = *value.source;
-  if (last >= source.end) {
+  if (last < source.end) {
+    ranges.emplace_back(first, last);
+  } else if (!source.later) {
     const std::int64_t beyond = std::max<std::int64_t>(first, source.end);
     const std::string sentence =
         "vertex " + std::to_string(beyond) +
         (source.by_position
              ? " is not among mesh.positions, by which the edit is applied; add it."
              : " is outside the edit's mesh, which has " + std::to_string(source.end) + " vertices, counted from 0.");
-    if (!source.of_mesh) {
-      value.refuse(sentence);
-    }
-    if (!source.later) {
-      source.later.emplace(ErrorCause::BadScript, value.where + ": " + sentence, static_cast<int>(beyond))
-          .at(value.where);
-    }
-    return;
+    source.later.emplace(ErrorCause::BadScript, value.where + ": " + sentence, static_cast<int>(beyond))
+        .at(value.where);
   }
-  ranges.emplace_back(first, last);
 }
 
 /// Adds one piece of a vertex list: a number, or a range with both ends.
@@ -577,13 +571,11 @@ void limit_lists(const JsonValue& description, const Edit& edit) {
       source.later = error;
     }
     source.end = source.most = *edit.mesh_vertices;
-    source.of_mesh = false;
   } else if (description.has("positions") && !edit.mesh_faces && edit.connectivity.empty()) {
     const Source unlimited = {source.folder, nullptr, nullptr};
     source.end = unlimited.end;
     source.most = static_cast<std::int64_t>(description["positions"]["points"].json.size());
     source.by_position = true;
-    source.of_mesh = false;
   }
 }
 
@@ -624,7 +616,6 @@ Edit read_edit(const std::string& json, const std::string& folder, const Triangl
   Source source = {folder, mesh, files};
   if (mesh != nullptr) {
     source.end = source.most = mesh->vertices.rows();
-    source.of_mesh = true;
   }
   const JsonValue whole = {root, "edit", &source};
   // Check the version first, since another version may have other keys.
