@@ -494,14 +494,18 @@ std::vector<int> fill_reducing_ordering(const IndexLists& given, int threads) {
   }
   // The rows of hubs are not in the factor. With their edges all vertices would be near each other.
   const auto is_hub = [&given](int v) { return given[v].size() >= kLongRow; };
+  bool has_hubs = false;
+  for (int v = 0; v < n && !has_hubs; ++v) {
+    has_hubs = is_hub(v);
+  }
   IndexLists without;
-  for (int v = 0; v < n; ++v) {
+  for (int v = 0; has_hubs && v < n; ++v) {
     const IndexLists::Row row = given[v];
     std::copy_if(row.begin(), row.end(), std::back_inserter(without.values),
                  [&](int w) { return !is_hub(v) && !is_hub(w); });
     without.offsets.push_back(static_cast<int>(without.values.size()));
   }
-  const IndexLists& neighbours = without.values.size() < given.values.size() ? without : given;
+  const IndexLists& neighbours = has_hubs ? without : given;
   std::vector<int> first, second, third, queue;
   const int a = count_edges(neighbours, 0, first, queue);
   const int b = count_edges(neighbours, a, first, queue);
