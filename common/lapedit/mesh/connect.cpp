@@ -43,7 +43,6 @@ class LinkSearch {
  public:
   LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, double gap, const std::vector<char>* allowed);
   std::vector<Link> links();
-  std::size_t pairs = 0;  ///< of vertices that links() looked at
 
  private:
   static constexpr double kFar = 3;  // times the distance in space
@@ -62,7 +61,8 @@ class LinkSearch {
   std::vector<char> is_border_, is_open_;  // per vertex; per label
   Eigen::AlignedBox3d box_;                // vertices outside it have no other piece and no border in reach
   GeodesicSearch search_;
-  TriangleMesh walls_;  // faces of closed pieces in reach
+  std::size_t pairs_ = 0;  // of vertices that links() looked at
+  TriangleMesh walls_;     // faces of closed pieces in reach
   std::optional<Visibility> rays_;
   Points inwards_;  // normals
 };
@@ -132,7 +132,7 @@ void LinkSearch::find_walls() {
 /// Returns the nearest border vertex of the same piece that is far along the surface. @param limit  squared
 VertexTree::Found LinkSearch::across_border(int v, const VertexTree& borders, double limit) {
   const std::vector<int>& reached = search_.run({v}, kFar * std::sqrt(limit), nullptr, kMostReached);
-  pairs += reached.size();
+  pairs_ += reached.size();
   if (reached.size() == kMostReached) {  // vertices that it did not reach are farther along the surface than this
     const double radius = search_.distance(reached.back()) / kFar;
     limit = std::min(limit, radius * radius);
@@ -144,7 +144,7 @@ VertexTree::Found LinkSearch::across_border(int v, const VertexTree& borders, do
         return labels_[w] == labels_[v] && w != v && !std::binary_search(ring.begin(), ring.end(), w) &&
                search_.distance(w) > kFar * (points_.row(v) - points_.row(w)).norm();
       },
-      pairs);
+      pairs_);
 }
 
 /// Returns the vertex on the other side of a wall, -1 if there is none: a ray through the inside meets a surface of the
@@ -167,7 +167,7 @@ int LinkSearch::across_wall(int v, const VertexTree& tree) {
   const int to =
       tree.nearest(
               hit->point, gap_ * gap_, VertexTree::kNoLabel,
-              [&](int w) { return labels_[w] == labels_[v] && inwards_.row(w).dot(inwards) < kOpposite; }, pairs)
+              [&](int w) { return labels_[w] == labels_[v] && inwards_.row(w).dot(inwards) < kOpposite; }, pairs_)
           .vertex;
   const IndexLists::Row ring = neighbours_[v];
   const bool is_link = to >= 0 && !std::binary_search(ring.begin(), ring.end(), to) &&
@@ -186,10 +186,10 @@ std::vector<Link> LinkSearch::links() {
   };
   const auto any = [](int) { return true; };
   for (const int v : usable_) {
-    checkpoints();
+    const std::size_t before = pairs_;
     const Vector3 position = points_.row(v).transpose();
     if (box_.contains(position)) {
-      VertexTree::Found to = tree.nearest(position, gap_ * gap_, labels_[v], any, pairs);
+      VertexTree::Found to = tree.nearest(position, gap_ * gap_, labels_[v], any, pairs_);
       if (is_border_[v]) {
         const VertexTree::Found own = across_border(v, borders, to.squared);
         const bool is_nearer = own.squared < to.squared || to.vertex < 0 || own.vertex < to.vertex;
@@ -200,6 +200,7 @@ std::vector<Link> LinkSearch::links() {
     if (rays_ && !is_open_[labels_[v]]) {
       add(v, across_wall(v, tree));
     }
+    checkpoints(1 + static_cast<int>(pairs_ - before));
   }
   return links;
 }
@@ -226,17 +227,13 @@ IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<
 }
 
 IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
-                             const std::vector<char>* allowed, std::size_t* pairs) {
+                             const std::vector<char>* allowed) {
   if (!(gap > 0 && std::isfinite(gap))) {
     throw EditError(ErrorCause::BadParameter, "Pieces are to be connected over a gap of " + number_text(gap) +
                                                   ": give a finite length greater than 0, or 0 to connect none.")
         .at("region.connect");
   }
-  LinkSearch search(mesh, neighbours, gap, allowed);
-  std::vector<Link> links = search.links();
-  if (pairs) {
-    *pairs = search.pairs;
-  }
+  std::vector<Link> links = LinkSearch(mesh, neighbours, gap, allowed).links();
   std::sort(links.begin(), links.end());
   std::vector<std::pair<int, int>> entries;
   for (std::size_t k = 0; k < links.size(); ++k) {

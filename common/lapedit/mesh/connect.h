@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -18,12 +17,12 @@ namespace lapedit {
 /// to a fine one has thousands of neighbours. Deterministic.
 /// @param gap      model units, > 0 and finite
 /// @param allowed  if given, one flag per vertex: only flagged ones are linked
-/// @param pairs    out, if given: the number of pairs of vertices that were looked at, at most some thousand per vertex
 /// @throws EditError (BadParameter)
-/// Cost: O(vertices log vertices), however long the gap is.
+/// Cost: O(vertices log vertices), however long the gap is. At most some thousand pairs per vertex are looked at, each
+/// of which is a unit of work of checkpoint().
 constexpr int kMostLinks = 3;
 IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
-                             const std::vector<char>* allowed = nullptr, std::size_t* pairs = nullptr);
+                             const std::vector<char>* allowed = nullptr);
 
 /// Returns the neighbours with further edges, given in both directions, ascending.
 IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<int, int>>& edges);
