@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "lapedit/base/whole_part.h"
 #include "pen.h"
 
 using namespace lapedit;
@@ -174,7 +175,7 @@ void drawTurn(const DragMotion& motion, const Camera& view, double pixelRatio) {
     return view.pixel(motion.center() + fraction * radius * direction);
   };
   const double degrees = std::clamp(turn.degrees, -360.0, 360.0);
-  const int corners = 1 + static_cast<int>(std::abs(degrees) / 4);
+  const int corners = 1 + whole_part(std::abs(degrees) / 4, 0, 90);
   pen::set(pen::kYellow, 0.3);
   glBegin(GL_TRIANGLE_FAN);
   pen::vertex(view.pixel(motion.center()));

@@ -79,7 +79,7 @@ Panel::Panel(QWidget* parent) : QDockWidget("Laplacian Drag", parent), column_(n
 void Panel::setMesh(const TriangleMesh& mesh) {
   const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
-  size_ = diagonal > 0 ? diagonal : 1;
+  size_ = diagonal > 0 && std::isfinite(diagonal) ? diagonal : 1;
   defaults_ = settings_for(mesh);
   history_.shown = -1;  // the list shows another session
   middle_ = box.isEmpty() ? Vector3(Vector3::Zero()) : Vector3(box.center());

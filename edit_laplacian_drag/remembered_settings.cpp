@@ -73,10 +73,10 @@ void RememberedSettings::bringTo(DragSession& session) const {
   DragSettings settings = session.settings();
   setValues(kept_, settings);
   session.set_settings(settings);
-  const int axes = static_cast<int>(kept_.value(kGizmoAxes, static_cast<int>(session.tools().axes)));
+  const double axes = kept_.value(kGizmoAxes, static_cast<double>(session.tools().axes));
   session.set(&Tools::gizmo, kept_.value(kGizmo, session.tools().gizmo ? 1 : 0) != 0);
-  session.set(&Tools::axes, axes >= 0 && axes <= static_cast<int>(GizmoAxes::Normal) ? static_cast<GizmoAxes>(axes)
-                                                                                     : GizmoAxes::Layer);
+  session.set(&Tools::axes, axes >= 0 && axes <= static_cast<double>(GizmoAxes::Normal) ? static_cast<GizmoAxes>(axes)
+                                                                                        : GizmoAxes::Layer);
 }
 
 void RememberedSettings::keep(const DragSession& session) {
