@@ -101,9 +101,10 @@ bool LaplacianDragTool::start() {
     return showNothing(tr("MeshLab is reading a mesh."));  // the first picture of it starts the session
   }
   LayerSession* known = shared_->find(layer->id);
-  const bool resume =
-      known != nullptr && known->wasLeftLike(*layer->mesh) &&
-      (known->inHistory.isEmpty() || window_.removeFromHistory("Laplacian Edit Replay", known->inHistory));
+  const bool resume = known != nullptr && known->matches(*layer->mesh);
+  if (resume && !known->inHistory.isEmpty()) {
+    known->historyPosition = window_.removeFromHistory("Laplacian Edit Replay", known->inHistory);
+  }
   if (known != nullptr && known->leftBy != nullptr && !resume) {
     finishLeft(*known, layer->id, true);
   }
@@ -197,7 +198,6 @@ void LaplacianDragTool::leaveLayer(bool forGood) {
     active_->session().leave();
     const bool isFinished = active_->session().finish(kLongestFinish);
     const LayerSession::Update update = write(*active_, layer_);
-    active_->leave(*mesh);
     if (forGood && !isFinished) {
       active_->leftBy = this;
     } else if (forGood) {
@@ -223,9 +223,10 @@ LayerSession::Update LaplacianDragTool::write(LayerSession& session, int layer) 
 /// Ends the use of a session whose layer is left. @param meshChanged  by other code
 void LaplacianDragTool::conclude(LayerSession& session, bool meshChanged) {
   const Edit edit = session.session().recorded();
+  const int position = std::exchange(session.historyPosition, -1);
   if (!edit.steps.empty() && !meshChanged) {
     session.inHistory = QString::fromStdString(write_edit(edit));
-    window_.appendToHistory("Laplacian Edit Replay", session.inHistory, 1);
+    window_.addToHistory("Laplacian Edit Replay", session.inHistory, 1, position);
   }
   if (session.session().has_steps()) {
     session.session().keep_painted();  // frees the factorisation, which takes much memory
@@ -263,7 +264,6 @@ void LaplacianDragTool::finishLeft(LayerSession& session, int layer, bool now) {
       write(session, layer);
       window_.repaint();
     }
-    session.leave(*mesh);
     conclude(session, !isSame);
   });
 }

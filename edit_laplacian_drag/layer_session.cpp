@@ -2,7 +2,6 @@
 #include "layer_session.h"
 
 #include <QElapsedTimer>
-#include <QHash>
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -14,17 +13,6 @@ LayerSession::LayerSession(const CMeshO& mesh, const BridgedMesh& bridged, const
     : coreVertex_(bridged.core_vertex),
       session_(bridged.mesh, kStoredScalar, callbacks),
       writer_(mesh, bridged, session_.given_adjacency()) {}
-
-uint LayerSession::hashOfNormals(const CMeshO& mesh) {
-  uint hash = 0;
-  for (const CVertexO& vertex : mesh.vert) {
-    hash = qHashBits(vertex.cN().V(), 3 * sizeof(Scalarm), hash);
-  }
-  for (const CFaceO& face : mesh.face) {
-    hash = qHashBits(face.cN().V(), 3 * sizeof(Scalarm), hash);
-  }
-  return hash;
-}
 
 LayerSession::Update LayerSession::update(CMeshO& mesh) {
   const PoseChange* const change = session_.take_change();

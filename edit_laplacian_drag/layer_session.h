@@ -16,14 +16,11 @@ class LayerSession {
   LayerSession(const CMeshO& mesh, const lapedit::DragSession::Callbacks& callbacks);
 
   lapedit::DragSession& session() { return session_; }
-  /// Returns whether vertices, faces and positions of the mesh are still as this session wrote them.
+  /// Returns whether vertices, faces and positions of the mesh are still as this session wrote them. Normals, colours,
+  /// flags and transforms are not compared, since an edit does not depend on them.
   bool matches(const CMeshO& mesh) const { return writer_.matches(mesh); }
   /// As matches(), for some vertices only: O(1).
   bool seemsToMatch(const CMeshO& mesh) const { return writer_.seems_to_match(mesh); }
-  /// Call it when the tool is left. wasLeftLike() then returns whether the mesh is still the same, normals
-  /// included, which a filter may have recomputed.
-  void leave(const CMeshO& mesh) { normalsLeft_ = hashOfNormals(mesh); }
-  bool wasLeftLike(const CMeshO& mesh) const { return matches(mesh) && hashOfNormals(mesh) == normalsLeft_; }
 
   enum class Update {
     Nothing,     ///< no vertex has moved
@@ -41,16 +38,15 @@ class LayerSession {
   }
 
   QString inHistory;              ///< the last edit in the document's history
+  int historyPosition = -1;       ///< where it was in the history; -1: it is appended
   SessionUser* leftBy = nullptr;  ///< who left the session with a released drag to be solved; null: none
 
  private:
   LayerSession(const CMeshO& mesh, const lapedit::host::BridgedMesh& bridged,
                const lapedit::DragSession::Callbacks& callbacks);
-  static uint hashOfNormals(const CMeshO& mesh);
 
   std::vector<int> coreVertex_;  // by numbers of MeshLab's mesh
   double writeMilliseconds_ = 0;
-  uint normalsLeft_ = 0;
   lapedit::DragSession session_;
   lapedit::host::PoseWriter writer_;
 };

@@ -37,7 +37,7 @@ for binary in "$@"; do
     mkdir -p "$staged/plugins"
     ln -sf "$host"/*.so "$staged/"
     # Few plugins make a quick start.
-    for name in io_base filter_select filter_func filter_layer filter_camera filter_unsharp edit_select edit_pickpoints decorate_base; do
+    for name in io_base filter_select filter_func filter_layer filter_camera filter_unsharp filter_measure filter_colorproc edit_select edit_pickpoints decorate_base; do
       # Some need libraries that Debian's package only recommends; MeshLab 2022 and later stop at a dialog then.
       if LD_LIBRARY_PATH=$host ldd "$host/plugins/lib$name.so" 2>&1 | grep -Eq 'not found|No such file'; then continue; fi
       ln -sf "$host/plugins/lib$name.so" "$staged/plugins/"

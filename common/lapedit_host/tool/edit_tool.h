@@ -68,10 +68,11 @@ class HostWindow {
   /// Ends the tool after the current event.
   virtual void endTool() = 0;
 
-  /// Appends a filter to the document's history, if MeshLab keeps one. @param edit  its parameter of that name
-  virtual void appendToHistory(const QString& filter, const QString& edit, double fraction) = 0;
-  /// Removes this entry of the history, if only others of the same filter follow. @return whether it was there
-  virtual bool removeFromHistory(const QString& filter, const QString& edit) = 0;
+  /// Adds a filter to the document's history, if MeshLab keeps one. @param edit  its parameter of that name
+  /// @param position  in the history; -1: at its end
+  virtual void addToHistory(const QString& filter, const QString& edit, double fraction, int position) = 0;
+  /// Removes the last such entry of the history. @return its position; -1: it was not there
+  virtual int removeFromHistory(const QString& filter, const QString& edit) = 0;
 };
 
 /// A tool in one view. Functions may throw std::exception: the adapter logs it.

@@ -129,26 +129,27 @@ class HostView final : public HostWindow {
 
   void endTool() override { QMetaObject::invokeMethod(area_, "endEdit", Qt::QueuedConnection); }
 
-  void appendToHistory(const QString& filter, const QString& edit, double fraction) override {
+  void addToHistory(const QString& filter, const QString& edit, double fraction, int position) override {
     if (FilterScript* history = filterHistory()) {
       FilterNameParameterValuesPair entry;
       entry.first = filter;
       entry.second.addParam(RichString("edit", edit, "Edit", ""));
       entry.second.addParam(RichFloat("fraction", static_cast<Scalarm>(fraction), "Fraction", ""));
-      history->append(entry);
+      history->insert(position >= 0 && position < history->size() ? position : history->size(), entry);
     }
   }
 
-  bool removeFromHistory(const QString& filter, const QString& edit) override {
+  int removeFromHistory(const QString& filter, const QString& edit) override {
     FilterScript* history = filterHistory();
-    for (int i = history == nullptr ? -1 : history->size() - 1; i >= 0 && history->at(i).filterName() == filter; --i) {
+    for (int i = history == nullptr ? -1 : history->size() - 1; i >= 0; --i) {
       const auto& parameters = history->at(i).second;
-      if (parameters.hasParameter("edit") && parameters.getString("edit") == edit) {
+      if (history->at(i).filterName() == filter && parameters.hasParameter("edit") &&
+          parameters.getString("edit") == edit) {
         history->removeAt(i);
-        return true;
+        return i;
       }
     }
-    return false;
+    return -1;
   }
 
  private:
