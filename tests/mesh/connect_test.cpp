@@ -140,7 +140,7 @@ double work_per_vertex(const TriangleMesh& mesh) {
   return calls * kWorkPerCall / static_cast<double>(mesh.vertices.rows());
 }
 
-TEST(Connect, WorkGrowsWithTheVerticesHoweverLongTheGapIs) {
+TEST(Connect, PairsGrowWithTheVerticesHoweverLongTheGapIs) {
   constexpr double kMost = 150;
   for (const int n : {30, 90}) {
     TriangleMesh triangles{Points::Random(9 * n, 3),
