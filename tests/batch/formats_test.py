@@ -2,6 +2,7 @@
 """The program laplacian-edit changes coordinates and normals of the vertices that an edit moves, and no other byte of a file,
 whatever its format. LAPEDIT_READERS is the folder of a virtual environment with the readers to compare with, made if missing, unless
 LAPEDIT_OTHER_READERS is OFF."""
+import contextlib
 import glob
 import json
 import math
@@ -12,6 +13,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import threading
 import time
 import unittest
 
@@ -227,6 +229,23 @@ class Damage(ProgramTest):
         self.check_refusal("comments.ply", seconds=10)
         (self.work / "sixteen.obj").write_bytes(files.obj(files.sheet()).decode().encode("utf-16") + bytes(1 << 17))
         self.refused(UNREADABLE, "UTF-16: save it in UTF-8", "--info", "sixteen.obj")
+
+    def test_a_file_without_an_end(self):
+        def write(name, data, more):
+            with contextlib.suppress(BrokenPipeError), open(self.work / name, "wb", buffering=0) as pipe:
+                pipe.write(data)
+                while True:
+                    pipe.write(more)
+
+        sheet = files.sheet()
+        for name, data, more in (("a.ply", files.ply("binary_little_endian", sheet), bytes(1 << 16)), ("a.stl", files.stl_binary(sheet), bytes(1 << 16)),
+                                 ("b.ply", files.ply("ascii", sheet), (1 << 15) * b"0 "), ("a.off", files.off(sheet), (1 << 15) * b"0\n")):
+            os.mkfifo(self.work / name)
+            writer = threading.Thread(target=write, args=(name, data, more), daemon=True)
+            writer.start()
+            with self.subTest(name):
+                self.check_refusal(name, most=math.inf)
+            writer.join()
 
     def test_a_polygon_of_more_corners_than_vertices(self):
         for name, write in (("a.obj", files.obj), ("a.off", files.off), ("a.ply", lambda m: files.ply("binary_big_endian", m, count="int"))):

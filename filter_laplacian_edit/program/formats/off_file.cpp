@@ -89,7 +89,7 @@ MeshFile readOff(std::string bytes, bool isWhole) {
   if (off == std::string_view::npos && (isWhole || !header.empty())) {
     reader.refuse("the file does not begin with OFF");
   }
-  if (!isWhole) {
+  if (header.empty()) {
     return {};
   }
   const Columns columns = columnsOf(header.substr(0, off), reader);
@@ -98,7 +98,16 @@ MeshFile readOff(std::string bytes, bool isWhole) {
   if (word == "BINARY") {
     reader.refuse("the file is binary: convert it to text or to PLY with MeshLab");
   }
-  const std::size_t vertices = count(reader, word), faces = count(reader, reader.word());
+  const std::string_view second = reader.word();
+  if (!isWhole && reader.isAtEnd()) {
+    return {};  // comments fill the beginning
+  }
+  const std::size_t vertices = count(reader, word), faces = count(reader, second);
+  if (!isWhole) {
+    constexpr double kLine = 1024;
+    requireExplained(mesh.file.bytes.size(), kLine * static_cast<double>(vertices + faces));
+    return {};
+  }
   if (reader.wordOfLine().empty()) {  // the number of edges may be missing, or on a line of its own
     TextReader ahead = reader;
     ahead.word();

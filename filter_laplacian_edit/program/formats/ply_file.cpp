@@ -56,6 +56,7 @@ class PlyReader {
   void check() {
     constexpr std::size_t kLargestHeader = 4 << 20;
     std::string& bytes = file().bytes;
+    const std::size_t size = bytes.size();
     const bool hasZero = bytes.find('\0') != std::string::npos;
     if (!hasZero) {
       bytes.resize(bytes.find_last_of("\r\n") + 1);  // to whole lines
@@ -64,6 +65,7 @@ class PlyReader {
       if (is_text_) {
         requireText(bytes);
       }
+      requireExplained(size, mostBytes());
     } else if (hasZero || bytes.size() > kLargestHeader) {
       text_.refuse(kNoEnd);
     }
@@ -184,6 +186,18 @@ class PlyReader {
       property.role = Corners;
     }
     elements_.back().properties.push_back(std::move(property));
+  }
+
+  /// Returns how many bytes the file may have if the lists of all rows have 16 entries on average, more than meshes
+  /// have.
+  double mostBytes() const {
+    constexpr double kListed = 16, kText = 32, kBinary = 8;
+    auto most = static_cast<double>(at_);
+    for (const Element& element : elements_) {
+      most += static_cast<double>(element.count) * (static_cast<double>(element.properties.size()) + kListed) *
+              (is_text_ ? kText : kBinary);
+    }
+    return most;
   }
 
   void takeKinds() {

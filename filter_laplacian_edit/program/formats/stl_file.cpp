@@ -130,6 +130,8 @@ MeshFile readStl(std::string bytes, bool isWhole) {
     requireText(bytes);
   } else if (!isWhole && count == 0) {
     throw UnreadableMesh("it goes on after 0 triangles, as its header names");
+  } else if (!isWhole) {
+    requireExplained(bytes.size(), static_cast<double>(size));
   }
   if (!isWhole) {
     return {};

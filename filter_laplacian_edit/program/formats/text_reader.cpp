@@ -43,6 +43,14 @@ void requireText(const std::string& bytes) {
   }
 }
 
+void requireExplained(std::size_t size, double most) {
+  constexpr double kOthers = 4 << 20;
+  if (static_cast<double>(size) > most + kOthers) {
+    throw UnreadableMesh("it goes on after " + std::to_string(size) +
+                         " bytes, far more than the counts in its header explain");
+  }
+}
+
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian) {
   std::uint64_t bits = 0;
   for (std::size_t k = 0; k < size; ++k) {

@@ -50,6 +50,10 @@ class TextReader {
 
 /// @throws UnreadableMesh if there is a byte 0
 void requireText(const std::string& bytes);
+/// @param size  number of bytes so far
+/// @param most  number that a file with such a header may have; others may follow, but not without an end
+/// @throws UnreadableMesh if there are far more
+void requireExplained(std::size_t size, double most);
 
 /// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary.
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
