@@ -64,7 +64,8 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   lapedit::Cursor cursor() const;
   lapedit::PressModifiers pressModifiers() const;
   void hover();
-  void modifiersChanged(int key);
+  bool takeModifiers(const QKeyEvent& event);
+  void modifiersChanged(bool control);
   void cancelMotion();
   bool handle(QEvent& event);
   bool escape(QEvent& event);

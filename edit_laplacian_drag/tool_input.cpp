@@ -386,13 +386,20 @@ void LaplacianDragTool::saySettings(const DragSettings& before) {
   mouse_.noticedAt = mouse_.position;
 }
 
-void LaplacianDragTool::keyPress(QKeyEvent& event) {
+/// Takes the modifiers of a key event, which Qt reports as they were before it.
+/// @return whether Ctrl has changed, here or while another widget had the keyboard
+bool LaplacianDragTool::takeModifiers(const QKeyEvent& event) {
+  const Qt::KeyboardModifiers before = mouse_.modifiers;
   mouse_.modifiers = event.modifiers();
-  if (event.key() == Qt::Key_Control) {
-    mouse_.modifiers |= Qt::ControlModifier;
-  } else if (event.key() == Qt::Key_Shift) {
-    mouse_.modifiers |= Qt::ShiftModifier;
-  }
+  const Qt::KeyboardModifiers own = event.key() == Qt::Key_Control ? Qt::ControlModifier
+                                    : event.key() == Qt::Key_Shift ? Qt::ShiftModifier
+                                                                   : Qt::NoModifier;
+  mouse_.modifiers = event.type() == QEvent::KeyPress ? mouse_.modifiers | own : mouse_.modifiers & ~own;
+  return (mouse_.modifiers ^ before) & Qt::ControlModifier;
+}
+
+void LaplacianDragTool::keyPress(QKeyEvent& event) {
+  const bool control = takeModifiers(event);
   window_.repaint();
   const std::optional<DragKey> key = sessionKey(event);
   if (key == DragKey::Help) {
@@ -407,7 +414,7 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
     return;
   }
   notice_.clear();
-  modifiersChanged(event.key());
+  modifiersChanged(control);
   if (key && active_->session().key(*key, cursor())) {
     event.accept();
     saySwitch(*key);
@@ -429,19 +436,14 @@ void LaplacianDragTool::saySwitch(DragKey key) {
 }
 
 void LaplacianDragTool::keyRelease(QKeyEvent& event) {
-  mouse_.modifiers = event.modifiers();
-  if (event.key() == Qt::Key_Control) {
-    mouse_.modifiers &= ~Qt::KeyboardModifiers(Qt::ControlModifier);
-  } else if (event.key() == Qt::Key_Shift) {
-    mouse_.modifiers &= ~Qt::KeyboardModifiers(Qt::ShiftModifier);
-  }
+  const bool control = takeModifiers(event);
   window_.repaint();
-  modifiersChanged(event.key());
+  modifiersChanged(control);
 }
 
 /// Ctrl makes a motion go in steps; without a motion Ctrl and Shift change what a press does.
-void LaplacianDragTool::modifiersChanged(int key) {
-  if (key == Qt::Key_Control && usableLayer() && view_.valid() && active_->session().motion()) {
+void LaplacianDragTool::modifiersChanged(bool control) {
+  if (control && usableLayer() && view_.valid() && active_->session().motion()) {
     active_->session().move(cursor());
     afterEvent();
     return;

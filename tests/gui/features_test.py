@@ -292,9 +292,25 @@ class Motion(ToolTest):
             w.wait_message(r"^Turning by 30 degrees \(in steps of 15\):")
             w.x("keyup", "Control_L")
             w.wait_message(r"^Turning by 3[67](\.\d+)? degrees:")
-            w.move(x + 60 * math.cos(math.radians(80)), y - 60 * math.sin(math.radians(80)), modifiers=["ctrl"])
-            w.key("Return")
+            there = x + 60 * math.cos(math.radians(80)), y - 60 * math.sin(math.radians(80))
+            w.move(*there, modifiers=["ctrl"])
+            w.click(*there, modifiers=["ctrl"])
             self.assertEqual(abs(self.steps_of(w)[0]["handles"][0]["rotation"]["degrees"]), 75)
+
+    def test_ctrl_of_a_shortcut_whose_dialog_takes_its_release_does_not_snap(self):
+        with self.start(self.mesh, disc=40) as w:
+            w.x_focus()
+            x, y = w.pixel(self.CENTRE)
+            w.click(x, y)
+            w.move(x + 60, y)
+            w.key("R")
+            w.move(x + 60 * math.cos(math.radians(37)), y - 60 * math.sin(math.radians(37)))
+            w.x("key", "ctrl+e")
+            w.wait_dialog()
+            w.x("sleep", 0.3, "key", "Escape")
+            w.wait(lambda: not w.dialog().get("title"), "the dialog stays open", 20)
+            w.key("Return")
+            self.assertAlmostEqual(abs(self.steps_of(w)[0]["handles"][0]["rotation"]["degrees"]), 37, delta=1)
 
     def by_mouse(self, w):
         x, y = self.pull(w, self.CENTRE, (40, -40), release=False)
