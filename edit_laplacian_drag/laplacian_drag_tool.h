@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QElapsedTimer>
 #include <QObject>
 #include <QPointF>
 #include <QPointer>
@@ -115,8 +116,9 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
     Qt::KeyboardModifiers modifiers;
     Qt::MouseButton navigating = Qt::NoButton;  // held for MeshLab's navigation
     bool pressed = false, moved = false;
-    bool asks = false;    // a press missed the layer: draw() looks for another one there
-    bool inside = false;  // over the canvas, no button held
+    bool asks = false;     // a press missed the layer: draw() looks for another one there
+    bool inside = false;   // over the canvas, no button held
+    QElapsedTimer zoomed;  // since the wheel zoomed beside the mesh
   } mouse_;
 
   OtherLayers others_;

@@ -343,7 +343,10 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
   mouse_.position = event.position();
   mouse_.inside = event.buttons() == Qt::NoButton;
   hover();
-  if (event.modifiers() == Qt::NoModifier && mouse_.inside && active_->session().is_beside()) {
+  constexpr qint64 kRest = 500;  // milliseconds; zooming may bring the mesh under the cursor
+  const bool zooms = mouse_.zoomed.isValid() && mouse_.zoomed.elapsed() < kRest;
+  if (event.modifiers() == Qt::NoModifier && mouse_.inside && (zooms || active_->session().is_beside())) {
+    mouse_.zoomed.start();
     window_.navigate(event);
     return;
   }

@@ -2,6 +2,7 @@
 """What a person does with the tool to regions and handles, in the real window on a generated mesh."""
 import math
 import re
+import time
 import unittest
 
 from tool import PANEL, TOOL, ToolTest, part
@@ -449,6 +450,26 @@ class Hover(ToolTest):
                 w.wheel(300, 300, 3, modifiers=[modifier])
                 self.assertNotEqual(w.camera(), camera)
             self.assertEqual(values, [w.widget(part(n))["value"] for n in ("radius", "handle_fraction", "padding")])
+
+    def test_wheel_that_began_beside_the_mesh_zooms_until_it_rests(self):
+        with self.start(self.mesh) as w:
+            radius = w.widget(part("radius"))["value"]
+            turn = {"command": "wheel", "delta": 120, "modifiers": []}
+            w.batch([{**turn, "x": 3, "y": 300}, {**turn, "x": 300, "y": 300}])
+            w.idle()
+            self.assertEqual(w.widget(part("radius"))["value"], radius)
+            time.sleep(0.6)
+            w.wheel(*w.pixel(self.CENTRE), 1)
+            self.assertNotEqual(w.widget(part("radius"))["value"], radius)
+
+    def test_handle_inside_the_region_does_not_enlarge_it(self):
+        with self.start(self.mesh) as w:
+            self.pull(w, self.CENTRE, (10, -8))
+            w.press_button(part("undo"))
+            w.key("G")
+            self.pull(w, self.CENTRE + 3, (10, -8))
+            first, second = self.steps_in_log(w)
+            self.assertEqual(first["region"], second["region"])
 
 
 if __name__ == "__main__":

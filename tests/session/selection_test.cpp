@@ -127,6 +127,7 @@ TEST(Selection, AnotherGroupLeavesTheOthersAndTheRegionAsTheyAre) {
   EXPECT_FALSE(c.take(with_next_group(c.selection)));
   EXPECT_TRUE(c.refused_with("no handle"));
   c.pick(kMiddle);
+  const std::vector<int> before = c.region->mesh_vertex;
   ASSERT_TRUE(c.take(with_next_group(c.selection)));
   c.settings.handle_fraction = 2.5 / c.settings.radius;
   ASSERT_TRUE(c.pick(at(22, 20)));
@@ -136,7 +137,13 @@ TEST(Selection, AnotherGroupLeavesTheOthersAndTheRegionAsTheyAre) {
   EXPECT_FALSE(has(c.selection.groups[1], kMiddle));
   EXPECT_EQ(c.selection.active, 1);
   EXPECT_EQ(c.selection.next, Next::Handle);
-  EXPECT_EQ(c.selection.region.kind, Kind::Radius);
+  EXPECT_EQ(c.region->mesh_vertex, before);
+  ASSERT_TRUE(c.take(with_next_group(c.selection)));
+  ASSERT_TRUE(c.pick(at(33, 20)));  // outside: the region of its own radius is added
+  EXPECT_EQ(c.selection.groups.size(), 3U);
+  Chooser other;
+  other.pick(at(33, 20));
+  EXPECT_EQ(c.region->mesh_vertex, united(before, other.region->mesh_vertex));
   c.pick(at(19, 19));  // the next click is a plain one again
   EXPECT_EQ(c.selection.groups.size(), 1U);
 }

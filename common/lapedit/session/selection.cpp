@@ -51,18 +51,27 @@ bool is_inside(const Surface& surface, const Selection& selection, int vertex) {
          contains(surface.region->mesh_vertex, vertex);
 }
 
+/// Returns whether the next click adds a handle group, wherever it is, to a region that no brush has made.
+bool joins(const Selection& selection) {
+  return selection.next == Next::Group && !selection.groups.empty() && selection.has_region && !selection.by_hand &&
+         selection.region.kind != RegionSpec::Kind::Component;
+}
+
 /// Chooses the region of a new handle at a vertex, and restricts the handle to it.
 std::optional<Refusal> choose_region(const Surface& surface, int vertex, Selection& selection,
                                      std::vector<int>& handle) {
-  const bool another_group = selection.next == Next::Group && !selection.groups.empty();
   if (is_inside(surface, selection, vertex)) {
     handle = common(handle, surface.region->mesh_vertex);
-    if (!another_group) {
-      selection = with_region_kept(surface, selection);
-    }
+    selection = with_region_kept(surface, selection);
     return std::nullopt;
   }
-  if (another_group && selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
+  if (joins(selection)) {
+    if (selection.region.kind == RegionSpec::Kind::Vertices) {
+      std::optional<DiscSearch> own;
+      std::vector<int> around = discs_of(surface, own).run({vertex}, rounded_up(surface.settings.radius));
+      selection =
+          with_vertices(selection, united(selection.region.vertices, sorted_set(std::move(around))), surface.settings);
+    }
     return std::nullopt;
   }
   if (!takes_region(surface, selection, vertex)) {
@@ -217,10 +226,8 @@ Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std:
 // --- Clicks on a vertex ---------------------------------------------------------------------------------------------
 
 bool takes_region(const Surface& surface, const Selection& selection, int vertex) {
-  const bool joins = selection.next == Next::Group && !selection.groups.empty() && selection.has_region &&
-                     selection.region.kind == RegionSpec::Kind::Radius;
   const bool refused = selection.has_region && selection.by_hand && selection.next != Next::Region;
-  return !selection.leads_curve() && !joins && !refused && !is_inside(surface, selection, vertex);
+  return !selection.leads_curve() && !joins(selection) && !refused && !is_inside(surface, selection, vertex);
 }
 
 Choice pick(const Surface& surface, const Selection& selection, int vertex) {
