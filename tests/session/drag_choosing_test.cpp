@@ -321,6 +321,24 @@ TEST(DragBrush, AnchorsComeFromASelection) {
   EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
 }
 
+TEST(DragBrush, AnchorsOfARegionWithoutAHandleHoldOnceThereIsOne) {
+  Window window(shapes::grid(60, 60));
+  std::vector<int> region;
+  for (int i = 20; i <= 40; ++i) {
+    for (int j = 20; j <= 40; ++j) {
+      region.push_back(at(i, j));
+    }
+  }
+  window.session.set_region(region);
+  window.session.wait();
+  window.session.set_anchors({});
+  EXPECT_TRUE(window.says("There is no handle yet"));
+  window.session.set_anchors({at(33, 30)});
+  EXPECT_FALSE(window.says("There is"));
+  window.click(kMiddle);
+  EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
+}
+
 TEST(DragBrush, WhatIsNotConnectedIsKeptAndSaid) {
   Window window(shapes::grid(60, 60));
   window.change([](DragSettings& s) { s.radius = 6; });

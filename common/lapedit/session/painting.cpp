@@ -20,11 +20,18 @@ std::vector<int> region_of(const Surface& surface, const Selection& selection) {
                                                                                      : std::vector<int>();
 }
 
+bool are_anchors_known(const Surface& surface, const Selection& selection) {
+  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
+  return selection.has_region && (is_known || !selection.region.anchors.empty());
+}
+
 /// Replaces the region's anchors by the given vertices, ascending, except those outside the region or in a handle.
 Choice with_band(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
   const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
-  if (!selection.has_region || (!is_known && selection.region.anchors.empty())) {
-    return Refusal{selection.has_region ? messages::kRegionNotKnown : messages::kNoRegion};
+  if (!are_anchors_known(surface, selection)) {
+    return Refusal{!selection.has_region ? messages::kNoRegion
+                   : surface.computing   ? messages::kRegionNotKnown
+                                         : messages::kNoHandle};
   }
   const double reach = is_known ? surface.region->max_distance : selection.region.anchors.reach;
   const std::vector<int> region = region_of(surface, selection);
@@ -96,8 +103,7 @@ Choice anchors_brushed(const Surface& surface, const Selection& selection, const
   Selection after = selection;
   after.held = add ? united(selection.held, without(patch, selection.handles())) : without(selection.held, patch);
   after.region.held = after.held;
-  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
-  if (!add && selection.has_region && (is_known || !selection.region.anchors.empty())) {
+  if (!add && are_anchors_known(surface, selection)) {
     const KeptAnchors now = selection.region.anchors.empty() ? anchors_of(*surface.region) : selection.region.anchors;
     const std::vector<int> own = without(sorted_set(now.vertices), selection.held);
     if (!common(own, patch).empty()) {
@@ -151,8 +157,8 @@ Choice with_anchors(const Surface& surface, const Selection& selection, std::vec
   if (std::optional<Refusal> refusal = refuse_vertices(surface, vertices); refusal && !vertices.empty()) {
     return *refusal;
   }
-  Choice choice =
-      selection.has_region || vertices.empty() ? with_band(surface, selection, vertices) : Choice(selection);
+  const bool has_anchors = are_anchors_known(surface, selection) || (selection.has_region && surface.computing);
+  Choice choice = has_anchors || vertices.empty() ? with_band(surface, selection, vertices) : Choice(selection);
   if (Selection* const after = std::get_if<Selection>(&choice)) {
     after->held = united(after->held, vertices);
     after->region.held = after->held;

@@ -30,7 +30,8 @@ Surface SessionSolver::surface() {
           model_.settings,
           model_.shown.region().get(),
           preparation_.has_preview,
-          search ? &search->discs() : nullptr};
+          search ? &search->discs() : nullptr,
+          preparation_.running};
 }
 
 DragFigures SessionSolver::figures() const {
