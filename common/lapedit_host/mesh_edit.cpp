@@ -64,9 +64,10 @@ const DocumentLayer& layer_named(const std::vector<DocumentLayer>& layers, const
   }
   if (found == nullptr) {
     throw EditError(ErrorCause::BadParameter,
-                    (name.empty() ? std::string("There is no other layer")
-                                  : "There is no other layer named \"" + name + "\", but " +
-                                        (names.empty() ? "none" : names.join(", ").toStdString())) +
+                    "There is no other layer" +
+                        (name.empty()    ? std::string()
+                         : names.empty() ? ", so none is named \"" + name + '"'
+                                         : " named \"" + name + "\", but " + names.join(", ").toStdString()) +
                         ": open the scan as a layer of its own, and make the template's the current one.");
   }
   return *found;

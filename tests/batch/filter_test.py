@@ -91,7 +91,7 @@ class Fit(FilterTest):
         self.assertLess(max(map(math.dist, placed, world[::-1])), 0.2)
 
     def test_a_missing_layer_is_refused(self):
-        for name, sentence in (("", "There is no other layer"), ("nose", 'no other layer named "nose"')):
+        for name, sentence in (("", "There is no other layer"), ("nose", 'no other layer, so none is named "nose": open')):
             result = self.run_host([laplacian_fit(scan=name)], self.mesh)
             self.assertIn(sentence, result.text)
             self.assertIsNone(result.output)

@@ -83,7 +83,7 @@ std::string single_vertex(MotionKind kind, int vertex);
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
 constexpr const char* kStrokeOf[] = {"Paint: region", "Paint: handle", "Paint: fixed"};  // by BrushTarget
-std::string saved_step(const std::vector<HandleGroup>& handles, const std::vector<int>& moved);
+std::string saved_step(const EditStep& step, const std::vector<int>& moved);
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";
 std::string not_possible(const std::string& why);

@@ -393,7 +393,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
         model_.history.apply(welded(std::move(step), model_.weld), results[k].vertices, results[k].positions);
     Selection& selection = model_.selection;
     selection = selection_of(applied.step, applied.path.moved, selection, model_.settings);
-    Action action{messages::saved_step(applied.path.whole, applied.path.moved), true, selection};
+    Action action{messages::saved_step(applied.step, applied.path.moved), true, selection};
     if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
       selection = with_vertices(std::move(selection), model_.weld.firsts(applied.vertices), model_.settings);
     }
