@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "panel_widgets.h"
 
+#include <QEvent>
 #include <QFormLayout>
 #include <QToolButton>
 #include <QVBoxLayout>
@@ -21,6 +22,14 @@ QString NumberBox::textFromValue(double value) const {
     text.chop(1);
   }
   return text;
+}
+
+bool NumberBox::eventFilter(QObject* object, QEvent* event) {
+  if (event->type() == QEvent::MouseButtonDblClick) {
+    selectAll();
+    return true;
+  }
+  return QDoubleSpinBox::eventFilter(object, event);
 }
 
 FoldGroup::FoldGroup(const QString& title, bool open) : header_(new QToolButton), form_(new QFormLayout) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QDoubleSpinBox>
+#include <QLineEdit>
 #include <QWidget>
 
 class QFormLayout;
@@ -19,12 +20,15 @@ QString nameOf(const QString& part);
 /// Rounds values of sliders and wheels to few digits. @param value greater than 0
 double threeDigits(double value);
 
-/// A number without trailing zeros.
+/// A number without trailing zeros. A double click selects all of it, and not only the digits before or after the
+/// point.
 class NumberBox : public QDoubleSpinBox {
   Q_OBJECT
 
  public:
+  NumberBox() { lineEdit()->installEventFilter(this); }
   QString textFromValue(double value) const override;
+  bool eventFilter(QObject* object, QEvent* event) override;
 };
 
 /// Widgets under a title that folds them.

@@ -167,6 +167,15 @@ class Keyboard(ToolTest):
             self.assertEqual(w.tool(), (TOOL, False))
             self.assertEqual(w.widget(part("radius"))["value"], radius)
 
+    def test_double_click_selects_all_of_a_number(self):
+        with self.start(self.mesh) as w:
+            w.x_focus()
+            self.click_on(w, part("radius"))
+            w.x("sleep", 0.6, "click", 1, "click", 1)  # later, or it would be a triple click
+            self.settle(w)
+            self.x_key(w, "1", "period", "2", "Return")
+            self.assertEqual(w.widget(part("radius"))["value"], 1.2)
+
     def test_keys_are_shown_by_their_key_and_button(self):
         with self.start(self.mesh) as w:
             w.x_focus()
