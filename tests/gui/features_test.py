@@ -5,7 +5,7 @@ import re
 import time
 import unittest
 
-from tool import PANEL, TOOL, ToolTest, part
+from tool import PANEL, TOOL, ToolTest, numbers_of, part
 from ply import write_ply
 from shapes import dome, in_reach, moved, neighbours, together, with_seam, within
 
@@ -263,6 +263,19 @@ class Region(ToolTest):
             self.assertLessEqual(before.moved(w.dump()), inside)
             self.assertEqual(w.dump()["face_flags"], selected)
             self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_fixed_vertices_may_be_selected_before_a_handle(self):
+        with self.start(self.mesh) as w:
+            w.set(part("group_paint"), True)
+            for target, last in (("Region", 30), ("Fixed", 12)):
+                w.layer(selected_vertices=[v for v in range(len(self.points)) if 10 <= v // self.ROWS <= 30 and 10 <= v % self.ROWS <= last])
+                w.set(part("brush_target"), target)
+                w.press_button(part("from_selection"))
+                self.assertNotRegex(self.message(w), "wait")
+            w.set(part("brush_target"), 0)
+            self.pull(w, self.CENTRE, (10, -8))
+            self.assertEqual(numbers_of(self.steps_of(w)[0]["region"]["held"]),
+                             [row * self.ROWS + column for row in range(10, 31) for column in range(10, 13)])
 
     def test_grow_shrink_and_whole_component(self):
         with self.start(self.mesh) as w:
