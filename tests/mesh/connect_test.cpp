@@ -191,6 +191,33 @@ TEST(Connect, LinksTheSidesOfAClosedWall) {
   EXPECT_EQ(links_at(support::renumbered(plate, numbers, 2), 0.3), sorted(renumbered));
 }
 
+TEST(Connect, LinksTheSidesOfAWallWithAHole) {
+  TriangleMesh plate = shapes::bar(20, 20, 1);
+  plate.vertices.col(2) *= 0.2;
+  const auto far_from_hole = [&plate](std::vector<std::pair<int, int>> links) {
+    const Eigen::RowVector3d hole(9, 9, 0.2);
+    const auto is_near = [&](const auto& link) { return (plate.vertices.row(link.first) - hole).norm() < 3; };
+    links.erase(std::remove_if(links.begin(), links.end(), is_near), links.end());
+    return links;
+  };
+  const auto expected = far_from_hole(links_at(plate, 0.3));
+  EXPECT_GT(expected.size(), 600U);
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < plate.faces.rows(); ++f) {
+    bool is_in_hole = true;
+    for (const int v : plate.faces.row(f)) {
+      is_in_hole &= (plate.vertices.row(v) - Eigen::RowVector3d(9, 9, 0.2)).cwiseAbs().maxCoeff() < 1.1 &&
+                    plate.vertices(v, 2) > 0;
+    }
+    if (!is_in_hole) {
+      plate.faces.row(count++) = plate.faces.row(f);
+    }
+  }
+  ASSERT_EQ(count, plate.faces.rows() - 8);
+  plate.faces.conservativeResize(count, 3);
+  EXPECT_EQ(far_from_hole(links_at(plate, 0.3)), expected);
+}
+
 TEST(Connect, LinksNoSidesOfBallsAndLimbs) {
   for (const TriangleMesh& body :
        {shapes::icosphere(3), shapes::cylinder(24, 30), shapes::bar(30, 4, 4), shapes::tapered_arm(24, 60)}) {

@@ -58,7 +58,7 @@ class LinkSearch {
   const IndexLists& neighbours_;
   double gap_;
   std::vector<int> labels_, usable_, borders_;
-  std::vector<char> is_border_, is_open_;  // per vertex; per label
+  std::vector<char> is_border_, is_open_;  // per vertex; per label: whether it is a sheet
   Eigen::AlignedBox3d box_;                // vertices outside it have no other piece and no border in reach
   GeodesicSearch search_;
   std::size_t pairs_ = 0;  // of vertices that links() looked at
@@ -77,9 +77,18 @@ LinkSearch::LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, d
       search_(PathGraph(neighbours, mesh.vertices)) {
   const int count = connected_components(neighbours, labels_);
   const int largest = largest_label(labels_, count);
-  is_open_.assign(count, 0);
+  std::vector<double> edges(count, 0), faces(count, 0);  // edges of borders
   for (const auto& [a, b] : single_edges({mesh.faces.data(), mesh.faces.data() + mesh.faces.size()})) {
-    is_border_[a] = is_border_[b] = is_open_[labels_[a]] = 1;
+    is_border_[a] = is_border_[b] = 1;
+    ++edges[labels_[a]];
+  }
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    ++faces[labels_[mesh.faces(f, 0)]];
+  }
+  // A sheet of n equal triangles has more than sqrt(5 n) edges at its border, so that a piece with few has holes.
+  is_open_.resize(count);
+  for (int k = 0; k < count; ++k) {
+    is_open_[k] = edges[k] * edges[k] > faces[k];
   }
   for (int v = 0; v < static_cast<int>(points_.rows()); ++v) {
     if (neighbours[v].size() > 0 && (!allowed || (*allowed)[v]) && points_.row(v).allFinite()) {

@@ -11,10 +11,10 @@ namespace lapedit {
 /// Returns the neighbours of a mesh with links over gaps. Pieces that are not connected but near each other, such as an
 /// eye and its socket, get a link from each vertex to the nearest one of another piece. A border vertex also gets one
 /// to the nearest border vertex of the same piece that is more than three times as far along the surface, as at the
-/// seam of a tube that was cut open, if it is nearer. A vertex of a closed wall gets one through its inside to the
-/// other side, as does that of a plate. A link is at most as long as the gap and counts as an edge without faces. A
-/// vertex accepts at most kMostLinks links from others, the shortest of them, so that no vertex of a coarse piece next
-/// to a fine one has thousands of neighbours. Deterministic.
+/// seam of a tube that was cut open, if it is nearer. A vertex of a wall that is closed, or has small holes, gets one
+/// through its inside to the other side, as does that of a plate. A link is at most as long as the gap and counts as an
+/// edge without faces. A vertex accepts at most kMostLinks links from others, the shortest of them, so that no vertex
+/// of a coarse piece next to a fine one has thousands of neighbours. Deterministic.
 /// @param gap      model units, > 0 and finite
 /// @param allowed  if given, one flag per vertex: only flagged ones are linked
 /// @throws EditError (BadParameter)
