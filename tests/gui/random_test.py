@@ -38,6 +38,7 @@ class Events:
         self.test, self.w, self.random = test, window, random.Random(SEED)
         self.originals = {}
         self.read_again = set()  # layers that were reloaded
+        self.resumed = set()  # layers whose steps were kept when the tool was left: others may have changed normals and flags
         self.counts = dict.fromkeys([*self.WEIGHTS, *self.RARE], 0)
         self.replayed = 0
         self.requests = []
@@ -67,6 +68,9 @@ class Events:
         self.layer_id, self.chosen = self.current(), self.choices_of_layers()
         if not self.w.widget(part("reset"))["enabled"]:
             self.originals[self.layer_id] = self.w.dump()
+            self.resumed.discard(self.layer_id)
+        else:
+            self.resumed.add(self.layer_id)
 
     def current(self):
         return next(layer["id"] for layer in self.w.layers() if layer["current"])
@@ -101,6 +105,7 @@ class Events:
             w.set(part("mirror"), 0)
             self.remember()
             self.originals[self.layer_id] = w.dump()
+            self.resumed.discard(self.layer_id)
             return
         if w.widget(part("reset"))["enabled"]:
             if self.random.random() < 0.3:
@@ -108,7 +113,7 @@ class Events:
             w.set(part("reset"), True)
         w.set(part("mirror"), 0)  # a plane that suits no handle would refuse all that follows
         before, now = self.originals[self.layer_id], w.dump()
-        differences = before.differences(now)
+        differences = [d for d in before.differences(now) if self.layer_id not in self.resumed or "normals" not in d and "flags" not in d]
         if (differences == ["face_normals"] and self.layer_id in self.read_again
                 and max(map(math.dist, *(d.triples("face_normals") for d in (before, now)))) < 1e-6):
             return  # by flat shading, which a reload brings back for a moment: see shade_smoothly()
