@@ -182,6 +182,13 @@ TEST(Connect, LinksTheSidesOfAClosedWall) {
   TriangleMesh inverted = plate;
   inverted.faces.col(0).swap(inverted.faces.col(1));
   EXPECT_EQ(links_at(inverted, 0.3), links);
+  TriangleMesh disagreeing = plate;
+  for (Eigen::Index f = 0; f < plate.faces.rows(); ++f) {
+    if ((plate.vertices(plate.faces(f, 0), 2) > 0 && plate.vertices(plate.faces(f, 1), 2) > 0) || f % 7 == 0) {
+      disagreeing.faces.row(f).reverseInPlace();
+    }
+  }
+  EXPECT_EQ(links_at(disagreeing, 0.3), links);
   const std::vector<int> numbers = support::shuffled(static_cast<int>(plate.vertices.rows()), 1);
   std::vector<std::pair<int, int>> renumbered = links;
   for (auto& [v, w] : renumbered) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -35,6 +36,44 @@ int largest_label(const std::vector<int>& labels, int count) {
     ++sizes[label];
   }
   return static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+}
+
+/// Returns which faces have to be flipped so that those that share an edge of two faces agree with the first one.
+std::vector<char> flips_of(const Faces& faces) {
+  std::vector<std::array<int, 3>>
+      sides;  // lower and higher vertex; face, corner, and whether it has them in this order
+  for (int f = 0; f < static_cast<int>(faces.rows()); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = faces(f, k), b = faces(f, (k + 1) % 3);
+      sides.push_back({std::min(a, b), std::max(a, b), 6 * f + 2 * k + (a < b ? 1 : 0)});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  std::vector<int> across(sides.size(), -1);  // face corner -> face at the side behind it, and whether it disagrees
+  for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
+    const auto same = [&](const auto& side) { return side[0] == sides[first][0] && side[1] == sides[first][1]; };
+    while (end < sides.size() && same(sides[end])) {
+      ++end;
+    }
+    for (int k = 0; end - first == 2 && k < 2; ++k) {
+      const int here = sides[first + k][2], there = sides[first + 1 - k][2];
+      across[here / 2] = there / 6 * 2 + (here % 2 == there % 2 ? 1 : 0);
+    }
+  }
+  std::vector<char> flips(static_cast<std::size_t>(faces.rows()), 0), seen = flips;
+  for (std::size_t f = 0; f < flips.size(); ++f) {
+    std::vector<std::size_t> queue(seen[f] ? 0 : 1, f);
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+      seen[queue[head]] = 1;
+      for (std::size_t k = 3 * queue[head]; k < 3 * queue[head] + 3; ++k) {
+        if (const int g = across[k] / 2; across[k] >= 0 && !std::exchange(seen[g], 1)) {
+          flips[g] = flips[queue[head]] ^ (across[k] % 2);
+          queue.push_back(g);
+        }
+      }
+    }
+  }
+  return flips;
 }
 
 /// Finds the nearest vertices that a link may lead to: those of other pieces, from a border those of a border of the
@@ -107,6 +146,7 @@ LinkSearch::LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, d
 }
 
 /// Prepares the search through closed pieces, whose normals point outwards if they enclose a positive volume together.
+/// A piece whose faces disagree counts alone, after some were flipped.
 void LinkSearch::find_walls() {
   Eigen::AlignedBox3d reach;
   for (const int v : usable_) {
@@ -114,22 +154,37 @@ void LinkSearch::find_walls() {
   }
   const Vector3 margin = Vector3::Constant(2 * gap_), centre = reach.center();
   reach = Eigen::AlignedBox3d(reach.min() - margin, reach.max() + margin);
+  Faces faces = mesh_.faces;
+  const std::vector<char> flips = flips_of(faces);
+  std::vector<double> volumes(is_open_.size(), 0);
+  std::vector<char> disagrees(is_open_.size(), 0);
   double volume = 0;
   std::vector<int> near;
   for (int f = 0; f < static_cast<int>(mesh_.faces.rows()); ++f) {
     const Vector3 a = points_.row(mesh_.faces(f, 0)), b = points_.row(mesh_.faces(f, 1)),
                   c = points_.row(mesh_.faces(f, 2));
     const double part = (a - centre).dot((b - a).cross(c - a));
-    if (!is_open_[labels_[mesh_.faces(f, 0)]] && std::isfinite(part)) {
-      volume += part;
+    const int label = labels_[mesh_.faces(f, 0)];
+    if (flips[f]) {
+      faces.row(f).reverseInPlace();
+      disagrees[label] = 1;
+    }
+    if (!is_open_[label] && std::isfinite(part)) {
+      volumes[label] += flips[f] ? -part : part;
       if (reach.intersects({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)})) {
         near.push_back(f);
       }
     }
   }
-  if (volume != 0 && !near.empty()) {
-    vertex_normals(points_, mesh_.faces, inwards_);
-    inwards_ *= volume > 0 ? -1 : 1;
+  for (std::size_t k = 0; k < volumes.size(); ++k) {
+    volume += disagrees[k] ? 0 : volumes[k];
+  }
+  const bool has_sides = volume != 0 || std::find(disagrees.begin(), disagrees.end(), 1) != disagrees.end();
+  if (has_sides && !near.empty()) {
+    vertex_normals(points_, faces, inwards_);
+    for (int v = 0; v < static_cast<int>(points_.rows()); ++v) {
+      inwards_.row(v) *= (disagrees[labels_[v]] ? volumes[labels_[v]] : volume) > 0 ? -1 : 1;
+    }
     walls_ = {points_, Faces(static_cast<Eigen::Index>(near.size()), 3)};
     for (std::size_t k = 0; k < near.size(); ++k) {
       walls_.faces.row(static_cast<Eigen::Index>(k)) = mesh_.faces.row(near[k]);
