@@ -39,25 +39,30 @@ int largest_label(const std::vector<int>& labels, int count) {
 }
 
 /// Returns which faces have to be flipped so that those that share an edge of two faces agree with the first one.
-std::vector<char> flips_of(const Faces& faces) {
-  std::vector<std::array<int, 3>>
-      sides;  // lower and higher vertex; face, corner, and whether it has them in this order
-  for (int f = 0; f < static_cast<int>(faces.rows()); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = faces(f, k), b = faces(f, (k + 1) % 3);
-      sides.push_back({std::min(a, b), std::max(a, b), 6 * f + 2 * k + (a < b ? 1 : 0)});
+/// @param neighbours  with the edges of the faces. Cost: O(faces)
+std::vector<char> flips_of(const Faces& faces, const IndexLists& neighbours) {
+  struct Edge {
+    int count = 0;
+    std::array<int, 2> sides{};  // 3 * face + corner where it begins
+  };
+  std::vector<Edge> edges(neighbours.values.size());
+  for (int side = 0; side < static_cast<int>(faces.size()); ++side) {
+    const int a = faces(side / 3, side % 3), b = faces(side / 3, (side + 1) % 3);
+    const IndexLists::Row row = neighbours[std::min(a, b)];
+    const auto found = std::lower_bound(row.begin(), row.end(), std::max(a, b));
+    if (found != row.end() && *found == std::max(a, b)) {
+      Edge& edge = edges[&*found - neighbours.values.data()];
+      edge.sides[edge.count == 0 ? 0 : 1] = side;
+      ++edge.count;
     }
   }
-  std::sort(sides.begin(), sides.end());
-  std::vector<int> across(sides.size(), -1);  // face corner -> face at the side behind it, and whether it disagrees
-  for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
-    const auto same = [&](const auto& side) { return side[0] == sides[first][0] && side[1] == sides[first][1]; };
-    while (end < sides.size() && same(sides[end])) {
-      ++end;
-    }
-    for (int k = 0; end - first == 2 && k < 2; ++k) {
-      const int here = sides[first + k][2], there = sides[first + 1 - k][2];
-      across[here / 2] = there / 6 * 2 + (here % 2 == there % 2 ? 1 : 0);
+  std::vector<int> across(static_cast<std::size_t>(faces.size()), -1);  // side -> 2 * face, + 1 if the two disagree
+  for (const Edge& edge : edges) {
+    const auto [a, b] = edge.sides;
+    if (edge.count == 2) {
+      const int disagree = faces(a / 3, a % 3) == faces(b / 3, b % 3) ? 1 : 0;
+      across[a] = b / 3 * 2 + disagree;
+      across[b] = a / 3 * 2 + disagree;
     }
   }
   std::vector<char> flips(static_cast<std::size_t>(faces.rows()), 0), seen = flips;
@@ -155,7 +160,7 @@ void LinkSearch::find_walls() {
   const Vector3 margin = Vector3::Constant(2 * gap_), centre = reach.center();
   reach = Eigen::AlignedBox3d(reach.min() - margin, reach.max() + margin);
   Faces faces = mesh_.faces;
-  const std::vector<char> flips = flips_of(faces);
+  const std::vector<char> flips = flips_of(faces, neighbours_);
   std::vector<double> volumes(is_open_.size(), 0);
   std::vector<char> disagrees(is_open_.size(), 0);
   double volume = 0;
