@@ -84,7 +84,6 @@ TEST(EliminationOrder, IsAPermutation) {
   }
 }
 
-/// Fails if threads, what was ordered before, or where the graph's lists stand in memory enters.
 TEST(EliminationOrder, VertexWithThousandsOfNeighboursComesLastAndChangesNoOtherPlace) {
   constexpr int kSide = 150, kHub = kSide * kSide;
   IndexLists grid, with_hub;
@@ -113,6 +112,7 @@ TEST(EliminationOrder, VertexWithThousandsOfNeighboursComesLastAndChangesNoOther
   EXPECT_EQ(order, without);
 }
 
+/// Fails if threads, what was ordered before, or where the graph's lists stand in memory enters.
 TEST(EliminationOrder, DependsOnTheGraphAlone) {
   for (const auto& [name, graph] : large_graphs()) {
     const std::vector<int> order = fill_reducing_ordering(graph, 1);
