@@ -486,42 +486,42 @@ std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& p
   return order;
 }
 
-std::vector<int> fill_reducing_ordering(const IndexLists& given, int threads) {
+std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads) {
   constexpr int kWorthwhile = 20000;  // measured with tests/scripts/speed.sh
-  const int n = given.rows();
+  const int n = neighbours.rows();
   if (n < kWorthwhile) {
     return {};
   }
   // The rows of hubs are not in the factor. With their edges all vertices would be near each other.
-  const auto is_hub = [&given](int v) { return given[v].size() >= kLongRow; };
+  const auto is_hub = [&neighbours](int v) { return neighbours[v].size() >= kLongRow; };
   bool has_hubs = false;
   for (int v = 0; v < n && !has_hubs; ++v) {
     has_hubs = is_hub(v);
   }
   IndexLists without;
   for (int v = 0; has_hubs && v < n; ++v) {
-    const IndexLists::Row row = given[v];
+    const IndexLists::Row row = neighbours[v];
     std::copy_if(row.begin(), row.end(), std::back_inserter(without.values),
                  [&](int w) { return !is_hub(v) && !is_hub(w); });
     without.offsets.push_back(static_cast<int>(without.values.size()));
   }
-  const IndexLists& neighbours = has_hubs ? without : given;
+  const IndexLists& graph = has_hubs ? without : neighbours;
   std::vector<int> first, second, third, queue;
-  const int a = count_edges(neighbours, 0, first, queue);
-  const int b = count_edges(neighbours, a, first, queue);
-  count_edges(neighbours, b, second, queue);
+  const int a = count_edges(graph, 0, first, queue);
+  const int b = count_edges(graph, a, first, queue);
+  count_edges(graph, b, second, queue);
   int c = 0;
   for (int v = 0; v < n; ++v) {
     if (std::min(first[v], second[v]) > std::min(first[c], second[c])) {
       c = v;
     }
   }
-  count_edges(neighbours, c, third, queue);
+  count_edges(graph, c, third, queue);
   Points coordinates(n, 3);
   for (int v = 0; v < n; ++v) {
     coordinates.row(v) << first[v], second[v], third[v];
   }
-  std::vector<int> order = nested_dissection(neighbours, coordinates, threads);
+  std::vector<int> order = nested_dissection(graph, coordinates, threads);
   std::stable_partition(order.begin(), order.end(), [&is_hub](int v) { return !is_hub(v); });
   return order;
 }

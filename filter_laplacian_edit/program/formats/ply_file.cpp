@@ -185,7 +185,7 @@ class PlyReader {
         (name == "vertex_indices" || name == "vertex_index")) {
       property.role = Corners;
     }
-    elements_.back().properties.push_back(std::move(property));
+    elements_.back().properties.push_back(property);
   }
 
   /// Returns how many bytes the file may have if the lists of all rows have 16 entries on average, more than meshes
