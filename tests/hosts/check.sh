@@ -9,7 +9,7 @@
 #   GENERATED  its folder of generated meshes
 #
 # LAPEDIT_MESHES: folder of the real meshes; without it their tests are left out.
-# LAPEDIT_TEST_CORE: OFF leaves out what is the same on every host: the tests of core, documents and layers.
+# LAPEDIT_TEST_CORE: OFF leaves out what is the same on every host: the tests of core, program, documents and layers.
 # LAPEDIT_HOSTS_DIR: as for root.sh. The build is kept in the root, in /build, and the compiler's cache beside it.
 set -euo pipefail
 
@@ -40,8 +40,10 @@ status=0
 # shellcheck disable=SC2016
 "${root_sh[@]}" run "$root" "${options[@]}" -- sh -euc '
   # Of the random events a part, as they take minutes; all of them are for the sanitizers.
+  others="python|processors"
+  [ "$LAPEDIT_TEST_CORE" = ON ] || others="$others|command"
   LAPEDIT_RANDOM_EVENTS=2000 \
-    ctest --test-dir /build --output-on-failure --no-tests=error --exclude-regex "^(python|processors)\\." --parallel "$(nproc)"' || status=$?
+    ctest --test-dir /build --output-on-failure --no-tests=error --exclude-regex "^($others)\\." --parallel "$(nproc)"' || status=$?
 
 if [ $# -eq 3 ]; then
   echo "== $suite: results"
