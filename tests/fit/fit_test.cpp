@@ -89,6 +89,38 @@ TEST(Fit, TakesACloudWithNormals) {
   EXPECT_LT(error_of(fitted(head(), cloud), truth()).mean, 0.025);
 }
 
+/// A star-shaped head, given by its radius in a direction.
+double radius_of(const Vector3& direction, const Vector3& axes, double nose) {
+  return (1 + nose * std::exp(60 * (direction[1] - 1))) / direction.cwiseQuotient(axes).norm();
+}
+
+/// As of a mask or a print: half of the points cannot be partners, and those of the nose's inner side lie beyond it.
+TEST(Fit, IgnoresTheInnerSideOfACloud) {
+  const Vector3 axes(0.8, 0.95, 1.2);
+  TriangleMesh head = shapes::icosphere(4);
+  for (int v = 0; v < head.vertices.rows(); ++v) {
+    head.vertices.row(v) *= radius_of(head.vertices.row(v).transpose(), Vector3(0.75, 0.9, 1.1), 0.25);
+  }
+  TriangleMesh scan =
+      mapped(shapes::icosphere(5), {rotation_about(Vector3(3, 1, 2).normalized(), 20), 1, Vector3::Zero()});
+  for (int v = 0; v < scan.vertices.rows(); ++v) {
+    scan.vertices.row(v) *= radius_of(scan.vertices.row(v).transpose(), axes, 0.32);
+  }
+  const Points normals = normals_of(scan);
+  ScanData cloud;
+  cloud.mesh.vertices.resize(2 * scan.vertices.rows(), 3);
+  cloud.mesh.vertices << scan.vertices, scan.vertices - 0.2 * normals;
+  cloud.normals.resize(2 * scan.vertices.rows(), 3);
+  cloud.normals << normals, -normals;
+  const Fitted fit = fitted(head, cloud);
+  double largest = 0;
+  for (int v = 0; v < fit.mesh.vertices.rows(); ++v) {
+    const Vector3 p = fit.mesh.vertices.row(v).transpose();
+    largest = std::max(largest, std::abs(p.norm() - radius_of(p.normalized(), axes, 0.32)));
+  }
+  EXPECT_LT(largest, 0.06);
+}
+
 TEST(Fit, TakesAScanWhoseNormalsPointInwards) {
   TriangleMesh inside = scan();
   inside.faces.col(1).swap(inside.faces.col(2));

@@ -23,6 +23,13 @@ bool is_in_part(std::uint32_t item, double part) {
   return part >= 1 || (item ^ (item >> 16)) < part * 0x1p32;
 }
 
+/// Returns samples of a scan, about as many as a template has vertices. Of a cloud four times as many, since some of
+/// its points may lie on an inner side.
+SurfaceSamples samples_of(const SurfaceIndex& scan, int vertices) {
+  constexpr int kOfACloud = 4;
+  return scan.samples(scan.is_cloud() ? kOfACloud * vertices : vertices);
+}
+
 }  // namespace
 
 Correspondences::Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance,
@@ -32,7 +39,7 @@ Correspondences::Correspondences(const Scan& scan, const SurfaceIndex& surface, 
       free_(std::move(free)),
       given_(distance),
       with_(constants),
-      samples_(scan.surface().samples(static_cast<int>(surface.points().rows()))) {
+      samples_(samples_of(scan.surface(), static_cast<int>(surface.points().rows()))) {
   forward_.pairs.resize(free_.size());
   back_.pairs.resize(static_cast<std::size_t>(samples_.points.rows()));
 }
