@@ -109,7 +109,7 @@ class PyMeshLab(unittest.TestCase):
         empty = mesh_set()
         empty.set_selection_all()
         empty.meshing_remove_selected_vertices_and_faces()
-        for given, text, why in ((one, with_handle(vertices=[4410]), "vertex 4410 does not exist"), (one, {"steps": []}, "^steps: "),
+        for given, text, why in ((one, with_handle(vertices=[4410]), "vertex 4410 is outside the edit"), (one, {"steps": []}, "^steps: "),
                                  (one, {"steps": [{**PULL, "region": {"selected": True}}]}, "selected"),
                                  (pymeshlab.MeshSet(), {"steps": [PULL]}, "^mesh_set: there are 0 layers"),
                                  (empty, {"steps": [PULL]}, "vertices"), (cloud, {"steps": [PULL]}, "faces"),
