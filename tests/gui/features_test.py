@@ -293,14 +293,19 @@ class Region(ToolTest):
 
 
 class Motion(ToolTest):
+    def begin_to_turn(self, w):
+        """By 37 degrees. Returns the pivot's pixel."""
+        w.x_focus()
+        x, y = w.pixel(self.CENTRE)
+        w.click(x, y)
+        w.move(x + 60, y)
+        w.key("R")
+        w.move(x + 60 * math.cos(math.radians(37)), y - 60 * math.sin(math.radians(37)))
+        return x, y
+
     def test_ctrl_snaps_a_motion_from_when_it_is_pressed(self):
         with self.start(self.mesh, disc=40) as w:
-            w.x_focus()
-            x, y = w.pixel(self.CENTRE)
-            w.click(x, y)
-            w.move(x + 60, y)
-            w.key("R")
-            w.move(x + 60 * math.cos(math.radians(37)), y - 60 * math.sin(math.radians(37)))
+            x, y = self.begin_to_turn(w)
             self.assertRegex(self.message(w), r"^Turning by 3[67](\.\d+)? degrees:")
             w.x("keydown", "Control_L")
             w.wait_message(r"^Turning by 30 degrees \(in steps of 15\):")
@@ -313,12 +318,7 @@ class Motion(ToolTest):
 
     def test_ctrl_of_a_shortcut_whose_dialog_takes_its_release_does_not_snap(self):
         with self.start(self.mesh, disc=40) as w:
-            w.x_focus()
-            x, y = w.pixel(self.CENTRE)
-            w.click(x, y)
-            w.move(x + 60, y)
-            w.key("R")
-            w.move(x + 60 * math.cos(math.radians(37)), y - 60 * math.sin(math.radians(37)))
+            self.begin_to_turn(w)
             w.x("key", "ctrl+e")
             w.wait_dialog()
             w.x("sleep", 0.3, "key", "Escape")

@@ -215,7 +215,7 @@ std::vector<MirrorImages::Pairs> MirrorImages::of(const std::vector<std::vector<
                                                   std::vector<int>& missing) const {
   std::vector<Pairs> all(sets.size());
   std::vector<Eigen::AlignedBox3d> boxes(sets.size());
-  std::vector<int> set_of(mesh_.vertices.rows(), -1), finite;
+  std::vector<int> set_of(mesh_.vertices.rows(), -1);  // of several vertices
   Eigen::AlignedBox3d whole;
   Checkpoints checkpoints;
   for (std::size_t s = 0; s < sets.size(); ++s) {
@@ -228,22 +228,18 @@ std::vector<MirrorImages::Pairs> MirrorImages::of(const std::vector<std::vector<
       } else {
         missing.push_back(v);
       }
-      if (sets[s].size() > 1 && position_of(mesh_.vertices, v).allFinite()) {
-        set_of[v] = static_cast<int>(s);
-        finite.push_back(v);
-      }
+      set_of[v] = sets[s].size() > 1 ? static_cast<int>(s) : -1;
     }
     const Vector3 margin = Vector3::Constant(edge_);
     boxes[s] = Eigen::AlignedBox3d(boxes[s].min() - margin, boxes[s].max() + margin);
-    whole.extend(boxes[s]);
+    if (sets[s].size() > 1) {
+      whole.extend(boxes[s]);
+    }
   }
-  const VertexGrid grid(mesh_.vertices, finite);
-  for (std::size_t k = 0; !finite.empty() && k < usable_.size(); ++k) {
+  for (const int v : usable_) {
     checkpoints();
-    const int v = usable_[k];
     const Vector3 position = position_of(mesh_.vertices, v);
-    const bool is_near = whole.contains(position) && grid.nearest(mirror_ * position, limit_) >= 0;
-    const int image = is_near ? of(v) : -1;
+    const int image = whole.contains(position) ? of(v) : -1;
     if (image >= 0 && set_of[image] >= 0 && boxes[set_of[image]].contains(position)) {
       all[set_of[image]].emplace_back(v, image);
     }

@@ -106,10 +106,10 @@ std::string single_vertex(MotionKind kind, int vertex) {
 
 /// Returns the name of a loaded step: that of the same motion by the mouse.
 std::string saved_step(const EditStep& step, const std::vector<int>& moved) {
-  const HandleGroup* const handle = moved.empty() ? nullptr : &step.handles[static_cast<std::size_t>(moved.back())];
   if (step.fit) {
     return "Fit to a scan";
   }
+  const HandleGroup* const handle = moved.empty() ? nullptr : &step.handles[static_cast<std::size_t>(moved.back())];
   if (handle == nullptr || handle->transform.matrix) {
     return "Step of a saved edit";
   }
