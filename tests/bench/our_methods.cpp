@@ -71,7 +71,7 @@ MethodResult ours(const Problem& scene, const EditSettings& settings, int thread
   const lapedit::Points& solved = solver.pose({edit.maps.begin(), edit.maps.end()});
   result.solve_ms = watch.lap();
   result.positions = whole_mesh(edit, solver.region(), solved);
-  solver.make_cells(edit.mesh);
+  solver.make_cells();
   result.fast_frame = solver.has_frames();
   lapedit::Points frame;
   // A mouse that comes near the pose, small step by small step.

@@ -108,7 +108,7 @@ std::vector<double> frame_errors(const Scene& scene, const EditSettings& setting
   lapedit::StepSolver solver(scene.edit.mesh,
                              lapedit::FoundRegion{std::make_shared<const lapedit::Region>(scene.region)}, settings);
   Points frames[2];
-  solver.make_cells(scene.edit.mesh);
+  solver.make_cells();
   solver.frame(motions, frames[0]);
   solver.prepare(scene.edit.mesh);
   solver.frame(motions, frames[1]);

@@ -66,7 +66,7 @@ Solver make_solver(const Problem& scene, const EditSettings& settings, int threa
 void prepare(const Problem& scene, StepSolver& solver, const lapedit::LaplacianSystem* previous = nullptr) {
   constexpr int kPreviewFrom = 12000;
   if (solver.region().size() >= kPreviewFrom) {
-    solver.make_cells(scene.edit.mesh);
+    solver.make_cells();
   }
   solver.prepare(scene.edit.mesh, previous);
 }
@@ -116,7 +116,7 @@ void measure_ours(const Problem& scene, Runs& runs) {
   };
   Stopwatch watch;
   const Solver cells = make_solver(scene, settings, kThreads);
-  cells->make_cells(scene.edit.mesh);
+  cells->make_cells();
   cells->frame({handle_move(0)}, positions);
   note("first frame", watch.elapsed());
   note("frame of the cells alone", frame_ms(*cells));
@@ -300,7 +300,7 @@ void print_growth(int vertices) {
   std::vector<double> figures = {watch.elapsed()};
   const double before = heap_bytes();
   const Solver solver = make_solver(scene, settings, 0, region.region);
-  solver->make_cells(scene.edit.mesh);
+  solver->make_cells();
   solver->frame({handle_move(0)}, positions);
   figures.push_back(watch.lap());
   const auto add = [&](const auto& body) {
@@ -339,7 +339,7 @@ void print_load(int vertices) {
     Points positions;
     Stopwatch watch;
     const Solver solver = make_solver(scene, {}, 1 + round % 2);
-    solver->make_cells(scene.edit.mesh);
+    solver->make_cells();
     solver->frame({handle_move(0)}, positions);
     of["first frame"].push_back(watch.lap());
     solver->prepare(scene.edit.mesh);

@@ -31,8 +31,7 @@ int main(int argc, char** argv) {
   const Region region = build_region(mesh, support::adjacency_of(mesh), spec, {handle});
   const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
   ThreadPool pool(1);
-  const std::vector<double> weights = edge_weights(LaplacianKind::MeanValue, region, mesh, true).values;
-  const RegionCells cells = make_cells(region, rest, weights, CellPose::wanted_cells(region.size()), pool);
+  const RegionCells cells = make_cells(region, rest, CellPose::wanted_cells(region.size()), pool);
   std::vector<int> of_cell(cells.count(), -1);
   for (int c = 0; c < cells.count(); ++c) {
     std::set<int> taken;

@@ -47,7 +47,7 @@ struct Turned {
         settings(with),
         pool(threads),
         rest(support::rows(mesh.vertices, region.mesh_vertex)),
-        model(mesh, support::rest_pose(mesh, region), settings, ThreadPool(threads)) {}
+        model(support::rest_pose(mesh, region), settings, ThreadPool(threads)) {}
 
   const CellPose& cells() const { return model.pose(); }
   const CellPose& solve(const Maps& maps, bool frame = false) {
@@ -177,8 +177,7 @@ TEST(LocalGlobal, SettledStateSatisfiesItsEquations) {
   ThreadPool pool(1);
   for (const double membrane : {0.0, 1200.0}) {
     const EditSettings settings = settled(membrane);
-    const std::vector<double> weights = edge_weights(settings.laplacian, region, mesh, true).values;
-    const RegionCells cells = make_cells(region, rest, weights, 100, pool);
+    const RegionCells cells = make_cells(region, rest, 100, pool);
     const CellBlend blend(cells, rest, pool);
     const CellSurface surface(cells);
     CoarseSystem system(region, rest, cells, blend, settings);
@@ -250,8 +249,7 @@ TEST(CellSurface, CellsWithNeighboursInALineHaveNoNormal) {
   Turned t(support::moved(rigid(33, Vector3(1, 2, 3), Vector3::Zero()), ribbon), support::within(150), {{0, 1}},
            settled());
   ThreadPool pool(1);
-  const std::vector<double> weights = edge_weights(LaplacianKind::MeanValue, t.region, t.mesh, true).values;
-  const RegionCells cells = make_cells(t.region, t.rest, weights, CellPose::wanted_cells(t.region.size()), pool);
+  const RegionCells cells = make_cells(t.region, t.rest, CellPose::wanted_cells(t.region.size()), pool);
   const CellSurface surface(cells);
   int lone = 0;
   for (int c = 0; c < cells.count(); ++c) {

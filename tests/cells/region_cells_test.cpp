@@ -22,7 +22,7 @@ struct Divided {
           int target = 0, int threads = 1)
       : region(support::region_of(mesh, spec, handles)), rest(support::rows(mesh.vertices, region.mesh_vertex)) {
     ThreadPool pool(threads);
-    cells = make_cells(region, rest, {}, target > 0 ? target : CellPose::wanted_cells(region.size()), pool);
+    cells = make_cells(region, rest, target > 0 ? target : CellPose::wanted_cells(region.size()), pool);
   }
 
   /// Whether all vertices of a cell are of one class.
@@ -165,7 +165,7 @@ TEST(RegionCells, BlendReproducesLinearFunctionsAlongTheSurface) {
   const TriangleMesh mesh = shapes::letter_field(160, 80);
   const Region region = support::region_of(mesh, support::component(), {{support::vertex_at(mesh, {2, 1, 0})}});
   ThreadPool pool(2);
-  const RegionCells cells = make_cells(region, mesh.vertices, {}, 800, pool);
+  const RegionCells cells = make_cells(region, mesh.vertices, 800, pool);
   EXPECT_NEAR(cells.count(), 800, 80);
   const CellBlend blend(cells, mesh.vertices, pool);
   double sum = 0;
@@ -201,7 +201,7 @@ TEST(RegionCells, EveryVertexIsInOneConnectedCell) {
   const Region region =
       support::region_of(mesh, support::component(), {{0, static_cast<int>(mesh.vertices.rows()) - 1}});
   ThreadPool pool(1);
-  const RegionCells cells = make_cells(region, mesh.vertices, {}, 40, pool);
+  const RegionCells cells = make_cells(region, mesh.vertices, 40, pool);
   std::vector<double> sizes(cells.count(), 0);
   for (int i = 0; i < region.size(); ++i) {
     ASSERT_GE(cells.of[i], 0);

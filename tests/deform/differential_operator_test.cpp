@@ -106,7 +106,7 @@ TEST_P(OperatorOn, DoesNotDependOnScaleOrMotion) {
       const DifferentialOperator other = differential_operator(kind, region, support::moved(map, mesh), symmetric);
       // Degenerate shapes hold needles whose cotangents amplify rounding by their aspect ratio.
       EXPECT_LT((dense(found) - dense(other)).cwiseAbs().maxCoeff(), 1e-7) << name(kind);
-      EXPECT_LT((found.sums - other.sums).cwiseAbs().maxCoeff(), 1e-7 * found.sums.maxCoeff()) << name(kind);
+      EXPECT_LT((found.divisor - other.divisor).cwiseAbs().maxCoeff(), 1e-7 * found.divisor.maxCoeff()) << name(kind);
       EXPECT_EQ(found.uniform_edges, other.uniform_edges) << name(kind);
     }
   }
@@ -124,10 +124,11 @@ TEST_P(OperatorOn, MeanValueIsSymmetricAndPositive) {
   }
   for (const LaplacianKind kind : kKinds) {
     const DifferentialOperator found = differential_operator(kind, region, mesh, true);
-    const Eigen::MatrixXd stiffness = found.sums.asDiagonal() * dense(found);
+    const Eigen::MatrixXd stiffness = found.divisor.asDiagonal() * dense(found);
     EXPECT_TRUE(stiffness.allFinite()) << name(kind);
-    EXPECT_LT((stiffness - stiffness.transpose()).cwiseAbs().maxCoeff(), 1e-15 * found.sums.maxCoeff()) << name(kind);
-    EXPECT_TRUE((found.sums.array() >= 0).all()) << name(kind);
+    EXPECT_LT((stiffness - stiffness.transpose()).cwiseAbs().maxCoeff(), 1e-15 * found.divisor.maxCoeff())
+        << name(kind);
+    EXPECT_TRUE((found.divisor.array() >= 0).all()) << name(kind);
   }
 }
 
@@ -161,7 +162,7 @@ TEST(DifferentialOperator, EqualsTheUmbrellaOnEquilateralTriangles) {
   for (const int j : interior(7, 6)) {
     EXPECT_LT((dense(mean_value).row(j) - umbrella.row(j)).cwiseAbs().maxCoeff(), 1e-14) << "row " << j;
     EXPECT_LT((cotangent.row(j) - umbrella.row(j)).cwiseAbs().maxCoeff(), 1e-14) << "row " << j;
-    EXPECT_NEAR(mean_value.sums[j], 6 * 2 / std::sqrt(3.0), 1e-12) << "the unit that degenerate edges are given in";
+    EXPECT_NEAR(mean_value.divisor[j], 6 * 2 / std::sqrt(3.0), 1e-12) << "the unit that degenerate edges are given in";
   }
 }
 
@@ -192,7 +193,7 @@ TEST(DifferentialOperator, CornersThatAreNoNumbersOutsideTheRegionAreIgnored) {
   for (const LaplacianKind kind : {LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
     const DifferentialOperator found = differential_operator(kind, region, mesh, kind == LaplacianKind::MeanValue);
     EXPECT_TRUE(dense(found).allFinite()) << name(kind);
-    EXPECT_TRUE(found.sums.allFinite()) << name(kind);
+    EXPECT_TRUE(found.divisor.allFinite()) << name(kind);
     EXPECT_GT(found.uniform_edges, 0) << name(kind);
   }
 }

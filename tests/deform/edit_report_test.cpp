@@ -468,7 +468,7 @@ TEST_F(ReportOfAnEdit, TextNamesTheMethodAndWhatDiffersFromIt) {
   EXPECT_EQ(report(settings).text().find("falloff"), std::string::npos);
   settings.rough = RoughDeformation::Falloff;
   EXPECT_NE(report(settings).text().find("rotations from the falloff"), std::string::npos);
-  EXPECT_NE(report({}).text().find("Method: default; operator: mean_value of order 1; 3 passes"), std::string::npos);
+  EXPECT_NE(report({}).text().find("Method: default; operator: surface of order 1; 3 passes"), std::string::npos);
 }
 
 TEST(EditReport, PrintedChoicesAreThoseOfAnEdit) {

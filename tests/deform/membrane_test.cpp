@@ -39,8 +39,8 @@ Energies energies(const TriangleMesh& mesh, const Eigen::VectorXd& u, LaplacianK
   const Region region = support::whole_region(mesh, {{handle}}, {});
   const DifferentialOperator op = differential_operator(kind, region, mesh, true);
   const Eigen::VectorXd bent = op.matrix * u;
-  return {membrane_factor(with_membrane(100), region, mesh.vertices, op.sums.mean()), bent.squaredNorm(),
-          u.dot(Eigen::VectorXd(op.sums.cwiseProduct(bent)))};
+  return {membrane_factor(with_membrane(100), region, mesh.vertices, op.mean), bent.squaredNorm(),
+          u.dot(Eigen::VectorXd(op.divisor.cwiseProduct(bent)))};
 }
 
 /// sin^2(pi x) sin^2(pi y) over a sheared unit square: level at its border.

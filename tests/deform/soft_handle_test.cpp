@@ -142,7 +142,7 @@ TEST(SoftHandle, FramesFollowTheirWeights) {
         StepSolver solver(disc.mesh, {std::make_shared<const Region>(disc.soft(0.8))}, settings);
         const std::vector<HandleMotion> maps{support::rigid(30, {0, 1, 1}, {0, 0.1, 0.2}, {2, 1, 0})};
         Points cells, frame;
-        solver.make_cells(disc.mesh);
+        solver.make_cells();
         solver.frame(maps, cells);
         solver.prepare(disc.mesh);
         const Points exact = solver.pose(maps);
@@ -162,7 +162,7 @@ TEST(SoftHandle, CellsFollowTheSoftRim) {
   const std::vector<HandleMotion> maps{support::shift({0, 0, 0.4})};
   StepSolver solver(disc.mesh, {region}, EditSettings());
   Points near;
-  solver.make_cells(disc.mesh);
+  solver.make_cells();
   solver.frame(maps, near);
   solver.prepare(disc.mesh);
   const Points exact = solver.pose(maps);

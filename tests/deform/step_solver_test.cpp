@@ -592,7 +592,7 @@ TEST(TwistedLimb, KeepsItsThickness) {
     settings.laplacian = laplacian;
     Prepared solver(mesh, *region, settings);
     StepSolver coarse(mesh, {region}, settings);
-    coarse.make_cells(mesh);
+    coarse.make_cells();
     const bool by_default = settings == EditSettings();
     for (const double degrees : {60.0, 90.0, 120.0, 150.0, 179.0}) {
       const std::vector<HandleMotion> maps = {Affine::Identity(),

@@ -32,7 +32,7 @@ struct Scene {
 
   Points frame() const {
     StepSolver solver(mesh, {region}, settings);
-    solver.make_cells(mesh);
+    solver.make_cells();
     Points positions;
     solver.frame(maps, positions);
     return positions;

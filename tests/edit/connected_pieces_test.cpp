@@ -246,7 +246,7 @@ TEST(ConnectedPieces, KeepTheirDistanceNextToAHandle) {
         StepSolver solver(sheets.mesh,
                           find_region(sheets.mesh, support::adjacency_of(sheets.mesh), step.region, groups_of(step)),
                           step.settings);
-        solver.make_cells(sheets.mesh);
+        solver.make_cells();
         solver.prepare(sheets.mesh);
         Points frame, framed = sheets.mesh.vertices;
         solver.frame(motions_of(sheets.mesh, step), frame);

@@ -109,7 +109,7 @@ struct Dragged : StepSolver {
   /// @param prepares  or the frames are those of the cells alone
   Dragged(const Scene& s, const EditSettings& settings, const SolverOptions& options = {}, bool prepares = true)
       : StepSolver(s.mesh, {std::make_shared<const Region>(s.region)}, settings, {StoredScalar::Double, {}, options}) {
-    make_cells(s.mesh);
+    make_cells();
     if (prepares) {
       prepare(s.mesh);
     }
@@ -342,7 +342,7 @@ TEST(StepFrame, PaperHasNoneBesideASystem) {
   const Scene s = letters();
   StepSolver solver(s.mesh, {std::make_shared<const Region>(s.region)}, EditSettings::of(EditMethod::Paper));
   EXPECT_FALSE(solver.has_frames());
-  solver.make_cells(s.mesh);
+  solver.make_cells();
   EXPECT_TRUE(solver.has_frames());
   Points frame;
   solver.frame(s.maps, frame);

@@ -102,7 +102,7 @@ TEST_P(RealEdit, FrameIsNearTheFullPose) {
   spec.radius = edit.radius;
   StepSolver solver(mesh, find_region(mesh, support::adjacency_of(mesh), spec, {{edit.handle}}), EditSettings());
   const std::vector<HandleMotion> maps = {support::shift(edit.way)};
-  solver.make_cells(mesh);
+  solver.make_cells();
   Points frame;
   solver.frame(maps, frame);
   solver.prepare(mesh);

@@ -15,29 +15,16 @@ using Four = Floats4;
 /// quaternion of the nearest cell to a sum shorter than this.
 constexpr double kCancelled = 0.2;
 
-std::vector<double> weights_of(const TriangleMesh& mesh, const Region& region, const EditSettings& settings,
-                               ThreadPool& pool) {
-  return settings.laplacian == LaplacianKind::Umbrella && region.links.empty()
-             ? std::vector<double>()
-             : edge_weights(settings.laplacian, region, mesh, settings.membrane > 0, &pool).values;
-}
-
-RegionCells cells_of(const TriangleMesh& mesh, const RestPose& rest, const EditSettings& settings, ThreadPool& pool) {
-  return make_cells(*rest.region, rest.local, weights_of(mesh, *rest.region, settings, pool),
-                    CellPose::wanted_cells(rest.region->size()), pool);
-}
-
 LAPEDIT_INLINE float sum_of(Four v) {
   return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
 }  // namespace
 
-CellModel::CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
-                     ThreadPool&& pool)
+CellModel::CellModel(std::shared_ptr<const RestPose> rest, const EditSettings& settings, ThreadPool&& pool)
     : rest_(std::move(rest)),
       settings_(settings),
-      cells_(cells_of(mesh, *rest_, settings, pool)),
+      cells_(make_cells(*rest_->region, rest_->local, CellPose::wanted_cells(rest_->region->size()), pool)),
       blend_((report_progress(0.05, "cells"), CellBlend(cells_, rest_->local, pool))),
       pose_(*rest_->region, rest_->local, cells_, blend_, settings_),
       paths_(*rest_->region, rest_->local, rest_->origin),
@@ -84,6 +71,29 @@ void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
                                  : Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
   });
   paths_.rotate_hanging(rotations);
+}
+
+void CellModel::fit(const LaplacianSystem& system, const Points& before, const Points& displacement,
+                    std::vector<Matrix3>& rotations) {
+  if (!fit_) {
+    fit_ = std::make_unique<RotationFit>(cells_);
+  }
+  const std::vector<Matrix3>& fitted = (*fit_)(system, before, displacement);
+  for (int c = 0; c < cells_.count(); ++c) {
+    quaternions_[c] = Eigen::Quaterniond(fitted[c]).coeffs();
+  }
+  spread(rotations, *system.pool);
+}
+
+std::vector<Matrix3> CellModel::metric() const {
+  std::vector<Matrix3> result(hold_.size(), Matrix3::Zero());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    for (int k = 0; k < CellBlend::kReach; ++k) {
+      const auto at = static_cast<Eigen::Index>(i);
+      result[i] += static_cast<double>(blend_.weights(k, at)) * cells_.metric[blend_.cells(k, at)];
+    }
+  }
+  return result;
 }
 
 struct CellModel::Displacing {

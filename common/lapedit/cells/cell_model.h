@@ -6,6 +6,7 @@
 
 #include "lapedit/base/simd.h"
 #include "lapedit/cells/cell_pose.h"
+#include "lapedit/cells/rotation_fit.h"
 #include "lapedit/deform/rest_pose.h"
 
 namespace lapedit {
@@ -16,15 +17,17 @@ namespace lapedit {
 /// rotations; with EditMethod::Linear it has none.
 class CellModel {
  public:
-  /// @param mesh,pool  rest pose and threads; not kept after construction
+  /// @param pool  threads; not kept after construction
   /// Cost: O(edges), some milliseconds per 10000 vertices. @throws EditError (IllConditioned, Cancelled)
-  CellModel(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest, const EditSettings& settings,
-            ThreadPool&& pool);
+  CellModel(std::shared_ptr<const RestPose> rest, const EditSettings& settings, ThreadPool&& pool);
 
   const std::shared_ptr<const RestPose>& rest() const { return rest_; }
   const RegionCells& cells() const { return cells_; }
   const CellPose& pose() const { return pose_; }
   const GroupPaths& paths() const { return paths_; }  ///< of the last solve(), at their ends
+
+  /// Returns the metric of each vertex, blended from those of the cells, for surface_laplacian().
+  std::vector<Matrix3> metric() const;
 
   /// @param handles,anchors  as for GroupPaths::set()
   /// @param quick            see CellPose::solve()
@@ -38,6 +41,12 @@ class CellModel {
   /// blended as quaternions and faded to the identity across the anchor band.
   /// @param rotations  out: one per vertex, with the same bits for any number of threads and on every processor
   void spread(std::vector<Matrix3>& rotations, ThreadPool& pool);
+
+  /// Computes the rotations of the vertices that fit a pose of the vertices: those of RotationFit, blended by spread().
+  /// @param before,displacement  size() x 3: positions, and the pose's distance from them
+  /// @param rotations            out: as of spread()
+  void fit(const LaplacianSystem& system, const Points& before, const Points& displacement,
+           std::vector<Matrix3>& rotations);
 
   /// The local linear map of a vertex in single precision: the columns of T - I, where T includes the rigid motion of
   /// the component, and the position at rest.
@@ -72,6 +81,7 @@ class CellModel {
   GroupPaths paths_;
   std::vector<double> hold_;  // per vertex: 0 keeps its rotation, 1 replaces it by the identity
 
+  std::unique_ptr<RotationFit> fit_;          // null before the first fit()
   std::vector<Eigen::Vector4d> quaternions_;  // of the cells' last pose, x y z w, with either sign
   std::vector<PosedCell> posed_;
   std::vector<Floats4> rigid_columns_;  // three columns per component

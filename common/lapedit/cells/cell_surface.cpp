@@ -22,7 +22,7 @@ CellSurface::CellSurface(const RegionCells& cells) : cells_(cells) {
     Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
     for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
       const int b = cells_.neighbours.values[k];
-      nearness_[k] = cells_.crossing[k] / (0.5 * (std::sqrt(cells_.vertices[a]) + std::sqrt(cells_.vertices[b])));
+      nearness_[k] = cells_.crossing[k];
       slope_[k] = tangents.transpose() * (cells_.centres.row(b) - cells_.centres.row(a)).transpose();
       spread += nearness_[k] * slope_[k] * slope_[k].transpose();
     }

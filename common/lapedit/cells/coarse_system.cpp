@@ -2,6 +2,7 @@
 #include "lapedit/cells/coarse_system.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -15,9 +16,8 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/// Returns the positive semidefinite matrix L_ij, the integral of (grad phi_i)^T T (grad phi_j) over the cells'
-/// triangles. T is the tensor of a triangle's cells per area. If no triangle contains an edge, its weight is that of
-/// the region's edges that cross it, over its length in edges.
+/// Returns the positive semidefinite matrix L_ij, the integral of (grad phi_i)^T G^-1 (grad phi_j) over the cells'
+/// triangles. An edge that no triangle contains has its weight in `crossing`.
 SparseMatrix stiffness_matrix(const RegionCells& cells) {
   constexpr double kSliver = 0.05;  // twice the area over the longest edge squared; below it, gradients are inaccurate
   const int m = cells.count();
@@ -31,12 +31,11 @@ SparseMatrix stiffness_matrix(const RegionCells& cells) {
     const double twice_area = normal.norm();
     const double longest =
         std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
-    const double area = cells.area[t[0]] + cells.area[t[1]] + cells.area[t[2]];
-    if (!(twice_area > kSliver * longest) || !(area > 0)) {
+    if (!(twice_area > kSliver * longest)) {
       continue;
     }
     normal /= twice_area;
-    const Matrix3 tensor = full_matrix(cells.stiffness[t[0]] + cells.stiffness[t[1]] + cells.stiffness[t[2]]) / area;
+    const Matrix3 tensor = ((cells.metric[t[0]] + cells.metric[t[1]] + cells.metric[t[2]]) / 3).inverse();
     Vector3 gradient[3];
     for (int k = 0; k < 3; ++k) {
       gradient[k] = normal.cross(p[(k + 2) % 3] - p[(k + 1) % 3]) / twice_area;
@@ -53,15 +52,24 @@ SparseMatrix stiffness_matrix(const RegionCells& cells) {
   for (int a = 0; a < m; ++a) {
     for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
       if (const int b = cells.neighbours.values[k]; !covered[k] && !covered[cells.neighbours.entry(b, a)]) {
-        const double edges = 0.5 * (std::sqrt(cells.vertices[a]) + std::sqrt(cells.vertices[b]));
-        entries.emplace_back(a, a, cells.crossing[k] / edges);
-        entries.emplace_back(a, b, -cells.crossing[k] / edges);
+        entries.emplace_back(a, a, cells.crossing[k]);
+        entries.emplace_back(a, b, -cells.crossing[k]);
       }
     }
   }
   SparseMatrix matrix(m, m);
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
+}
+
+/// Returns D of LaplacianKind::Surface for the areas of cells.
+Eigen::VectorXd divisor_of(const Region& region, const RegionCells& cells) {
+  constexpr double kLeast = 1e-3;
+  const Eigen::VectorXd areas = Eigen::Map<const Eigen::VectorXd>(cells.area.data(), cells.count());
+  if (!(areas.sum() > 0)) {
+    return Eigen::VectorXd::Constant(cells.count(), kMeanDivisor);
+  }
+  return (16 / squared_spacing(areas.sum() / region.size()) * areas.cwiseMax(kLeast * areas.mean())).cwiseSqrt();
 }
 
 /// Returns, per group, 1 if it is wider than its cells, falling to 0 for a point, which rotates its surroundings
@@ -146,15 +154,14 @@ CoarseSystem::CoarseSystem(const Region& region, const Points& rest, const Regio
   make_normal(region, rest, cells, settings);
 }
 
-/// Factors the positive definite matrix M^T N M + c D M + W^2.
+/// Factors the positive definite matrix M^T M + c D M + W^2.
 void CoarseSystem::make_normal(const Region& region, const Points& rest, const RegionCells& cells,
                                const EditSettings& settings) {
   const int m = cells.count();
-  rows_ = Eigen::Map<const Eigen::VectorXd>(cells.vertices.data(), m);
-  const Eigen::VectorXd weight = Eigen::Map<const Eigen::VectorXd>(cells.weight.data(), m);
-  operator_ = weight.cwiseInverse().asDiagonal() * stiffness_matrix(cells);
-  SparseMatrix normal = SparseMatrix(operator_.transpose()) * (rows_.asDiagonal() * operator_);
-  stretch_ = membrane_factor(settings, region, rest, weight.sum() / region.size()) * weight;
+  divisor_ = divisor_of(region, cells);
+  operator_ = divisor_.cwiseInverse().asDiagonal() * stiffness_matrix(cells);
+  SparseMatrix normal = SparseMatrix(operator_.transpose()) * operator_;
+  stretch_ = membrane_factor(settings, region, rest, kMeanDivisor) * divisor_;
   if (settings.membrane > 0) {
     normal += stretch_.asDiagonal() * operator_;
   }
@@ -199,19 +206,20 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   factorise_for(region, [&] { normal_ = std::make_unique<SparseCholesky>(normal, CholeskyBackend::Eigen); });
 }
 
-/// Solves (L + D W^2) phi_g = D W_g^2. Positive off-diagonal entries of L are set to 0 and its diagonal is recomputed,
-/// so the matrix is positive definite for all operators.
+/// Solves (L + D^2 W^2 / 4) phi_g = D^2 W_g^2 / 4. Positive off-diagonal entries of L are set to 0 and its diagonal is
+/// recomputed, so the matrix is positive definite for all operators.
 void CoarseSystem::make_follow(const RegionCells& cells, const Eigen::VectorXd& squared_weights) {
   const auto groups = static_cast<int>(groups_.size());
   follow_.setZero(cells.count(), groups);
+  const Eigen::VectorXd squares = 0.25 * divisor_.cwiseAbs2();
   for (const Held& one : held_) {
     if (const int k = index_in(groups_, one.group); k >= 0) {
-      follow_(one.cell, k) += cells.weight[one.cell] * one.weight;
+      follow_(one.cell, k) += squares[one.cell] * one.weight;
     }
   }
-  SparseMatrix matrix = Eigen::Map<const Eigen::VectorXd>(cells.weight.data(), cells.count()).asDiagonal() * operator_;
+  SparseMatrix matrix = divisor_.asDiagonal() * operator_;
   for (int c = 0; c < cells.count(); ++c) {
-    double sum = cells.weight[c] * squared_weights[c];
+    double sum = squares[c] * squared_weights[c];
     for (SparseMatrix::InnerIterator entry(matrix, c); entry; ++entry) {
       entry.valueRef() = entry.row() == c ? 0 : std::min(entry.value(), 0.0);
       sum -= entry.value();
@@ -256,10 +264,9 @@ void CoarseSystem::find_loose(const RegionCells& cells, double size, const Eigen
   }
 }
 
-void CoarseSystem::add_rotated(Points& rotated, Points& right) const {
+void CoarseSystem::add_rotated(const Points& rotated, Points& right) const {
   for (Eigen::Index c = 0; c < rotated.rows(); ++c) {
     right.row(c) += stretch_[c] * rotated.row(c);
-    rotated.row(c) *= rows_[c];
   }
   right.noalias() += operator_.transpose() * rotated;
 }

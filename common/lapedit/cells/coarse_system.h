@@ -14,10 +14,9 @@ namespace lapedit {
 /// The equations of an edit on the cells of a region. They approximate those of LaplacianSystem where fields vary
 /// slowly.
 ///
-/// L is the operator's stiffness matrix on the cells' triangles, symmetric positive semidefinite. It is assembled with
-/// linear elements, in which gradients have the same energy as on the region's edges. M = D^-1 L, where D has the sums
-/// of weights; each row counts once per vertex of its cell. A membrane adds c L, see membrane_factor(). Anchors are
-/// constraints of their cells; handles are weighted rows of the blend, one per cell and group, at the mean of the
+/// L is the stiffness matrix of linear elements on the cells' triangles, symmetric positive semidefinite, and M = D^-1
+/// L with D from the cells' areas, as for LaplacianKind::Surface. A membrane adds c L, see membrane_factor(). Anchors
+/// are constraints of their cells; handles are weighted rows of the blend, one per cell and group, at the mean of the
 /// group's vertices in the cell. The order is 1 even if the settings ask for a higher one.
 class CoarseSystem {
  public:
@@ -48,14 +47,13 @@ class CoarseSystem {
   const std::vector<int>& loose() const { return loose_; }
   int loose_parts() const { return 1 + *std::max_element(loose_.begin(), loose_.end()); }
 
-  /// Solves (M^T N M + c L + W^2) x = right, cells x 3, N the cells' numbers of vertices; c L = c D M. The matrix is
-  /// symmetric positive definite. Only the first call allocates memory.
+  /// Solves (M^T M + c L + W^2) x = right, cells x 3; c L = c D M. The matrix is symmetric positive definite. Only the
+  /// first call allocates memory.
   void solve(const Points& right, Points& x) { normal_->solve(right, x); }
   /// M = D^-1 L.
   const SparseMatrix& differential_operator() const { return operator_; }
-  /// Adds (M^T N + c D) rotated to `right`.
-  /// @param rotated  also used as scratch
-  void add_rotated(Points& rotated, Points& right) const;
+  /// Adds (M^T + c D) rotated to `right`.
+  void add_rotated(const Points& rotated, Points& right) const;
 
  private:
   void hold_handles(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
@@ -64,8 +62,8 @@ class CoarseSystem {
   void make_follow(const RegionCells& cells, const Eigen::VectorXd& squared_weights);
   void find_loose(const RegionCells& cells, double size, const Eigen::VectorXd& squared_weights);
 
-  SparseMatrix operator_;           // M
-  Eigen::VectorXd rows_, stretch_;  // N, c D
+  SparseMatrix operator_;              // M
+  Eigen::VectorXd divisor_, stretch_;  // D, c D
   std::vector<Held> held_;
   std::vector<int> groups_;
   Eigen::MatrixXd follow_;

@@ -11,6 +11,7 @@
 
 #include "lapedit/base/simd.h"
 #include "lapedit/cells/cell_packing.h"
+#include "lapedit/mesh/surface_index.h"
 
 namespace lapedit {
 namespace {
@@ -57,17 +58,14 @@ void reach_borders(const Region& region, const Points& rest, RegionCells& cells)
 
 /// Contributions of one chunk of the region's faces and edges to the cells.
 struct PartialSums {
-  std::vector<double> area, weight;
+  std::vector<double> area;
   Points normals;
-  std::vector<Symmetric> stiffness;  // sums of w_ij e e^T
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::vector<std::pair<int, double>>> crossing;  // per cell: the edges to others, and their weights
 
   void clear(int count) {
     area.assign(count, 0);
-    weight.assign(count, 0);
     normals.setZero(count, 3);
-    stiffness.assign(count, Symmetric::Zero());
     crossing.assign(count, {});
   }
   void cross(int from, int to, double of_edge) {
@@ -82,8 +80,7 @@ struct PartialSums {
 
 class CellSums {
  public:
-  CellSums(const Region& region, const Points& rest, const std::vector<double>& weights, RegionCells& cells,
-           ThreadPool& pool)
+  CellSums(const Region& region, const Points& rest, const EdgeWeights& weights, RegionCells& cells, ThreadPool& pool)
       : region_(region), rest_(rest), weights_(weights), cells_(cells), pool_(pool) {}
 
   void take();
@@ -96,7 +93,7 @@ class CellSums {
 
   const Region& region_;
   const Points& rest_;
-  const std::vector<double>& weights_;
+  const EdgeWeights& weights_;
   RegionCells& cells_;
   ThreadPool& pool_;
 };
@@ -123,53 +120,42 @@ void CellSums::add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last)
 }
 
 void CellSums::add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last) const {
-  const IndexLists& neighbours = region_.neighbours;
-  const bool weighted = !weights_.empty();
   for (Eigen::Index i = first; i < last; ++i) {
     const int here = cells_.of[i];
-    Symmetric stiffness = Symmetric::Zero();
-    double weight = 0;
-    for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {
-      const int j = neighbours.values[k];
-      const double of_edge = weighted ? weights_[k] : 1;
-      stiffness += of_edge * squared((rest_.row(i) - rest_.row(j)).transpose());
-      weight += of_edge;
-      if (cells_.of[j] != here) {
-        to.cross(here, cells_.of[j], of_edge);
+    for (int k = weights_.neighbours.offsets[i]; k < weights_.neighbours.offsets[i + 1]; ++k) {
+      const int j = weights_.neighbours.values[k], there = cells_.of[j];
+      if (there != here) {
+        const Vector3 step = (cells_.centres.row(there) - cells_.centres.row(here)).transpose();
+        const double squared = step.squaredNorm();
+        to.cross(here, there,
+                 weights_.values[k] * (squared > 0 ? (rest_.row(j) - rest_.row(i)).dot(step) / squared : 1));
       }
     }
-    to.stiffness[here] += stiffness;
-    to.weight[here] += weight;
+    for (const int j : region_.neighbours[static_cast<int>(i)]) {
+      if (cells_.of[j] != here) {
+        to.cross(here, cells_.of[j], 0);  // the edge may be flipped, but cells that meet in a face are neighbours
+      }
+    }
   }
 }
 
 void CellSums::merge(std::vector<PartialSums>& chunks) {
   const int m = cells_.count();
   cells_.area.assign(m, 0);
-  cells_.weight.assign(m, 0);
   cells_.normals.setZero(m, 3);
-  cells_.stiffness.assign(m, Symmetric::Zero());
   for (const PartialSums& chunk : chunks) {
     for (int c = 0; c < m; ++c) {
       cells_.area[c] += chunk.area[c];
-      cells_.weight[c] += chunk.weight[c];
-      cells_.stiffness[c] += 0.5 * chunk.stiffness[c];
     }
     cells_.normals += chunk.normals;
     cells_.triangles.insert(cells_.triangles.end(), chunk.triangles.begin(), chunk.triangles.end());
   }
   std::sort(cells_.triangles.begin(), cells_.triangles.end());
   cells_.triangles.erase(std::unique(cells_.triangles.begin(), cells_.triangles.end()), cells_.triangles.end());
-  constexpr double kLeast = 1e-6;
-  for (int c = 0; c < m; ++c) {
-    // This raises the weight only in cells of obtuse or flat faces, where the operator has rows of the umbrella
-    // operator.
-    cells_.weight[c] = std::max(cells_.weight[c], kLeast * cells_.vertices[c]);
-  }
 }
 
 void CellSums::merge_neighbours(std::vector<PartialSums>& chunks) {
-  constexpr double kLeast = 1e-3;  // where cotangents cancel
+  constexpr double kLeast = 1e-3;  // so that neighbours stay connected
   cells_.neighbours.offsets.assign(1, 0);
   std::vector<std::pair<int, double>> all;
   for (int c = 0; c < cells_.count(); ++c) {
@@ -386,19 +372,80 @@ void merge_weights(std::vector<std::pair<int, double>>& list) {
   list.resize(written);
 }
 
-Matrix3 full_matrix(const Symmetric& s) {
-  Matrix3 result;
-  result << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-  return result;
+namespace {
+
+/// Replaces each matrix by the mean of its own and its neighbours'.
+void average(const IndexLists& neighbours, std::vector<Matrix3>& matrices) {
+  const std::vector<Matrix3> before = matrices;
+  for (int a = 0; a < neighbours.rows(); ++a) {
+    for (const int b : neighbours[a]) {
+      matrices[a] += before[b];
+    }
+  }
 }
 
-RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
-                       ThreadPool& pool) {
+/// Computes RegionCells::metric from the shape tensor S_a = sum_b w_ab (n_a - n_b)(c_a - c_b)^T over half the trace of
+/// sum_b w_ab (c_a - c_b)(c_a - c_b)^T.
+void measure_metric(double size, RegionCells& cells) {
+  constexpr double kRib = 2, kFlat = 0.5;  // curvatures below kFlat / size change nothing
+  const int m = cells.count();
+  std::vector<Matrix3> normals(m, Matrix3::Zero());  // in the first column
+  for (int a = 0; a < m; ++a) {
+    normals[a].col(0) = cells.normals.row(a).transpose();
+  }
+  average(cells.neighbours, normals);
+  for (Matrix3& one : normals) {
+    const double length = one.col(0).norm();
+    one.col(0) = length > 0 ? Vector3(one.col(0) / length) : Vector3::Zero();
+  }
+  std::vector<Matrix3> shapes(m, Matrix3::Zero()), spreads = shapes;
+  for (int a = 0; a < m; ++a) {
+    for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
+      const int b = cells.neighbours.values[k];
+      const Vector3 edge = (cells.centres.row(a) - cells.centres.row(b)).transpose();
+      shapes[a] += cells.crossing[k] * (normals[a].col(0) - normals[b].col(0)) * edge.transpose();
+      spreads[a] += cells.crossing[k] * edge * edge.transpose();
+    }
+  }
+  average(cells.neighbours, shapes);
+  average(cells.neighbours, spreads);
+  cells.metric.assign(m, Matrix3::Identity());
+  for (int a = 0; a < m; ++a) {
+    const Vector3 n = normals[a].col(0);
+    const double spread = spreads[a].trace() / 2;
+    if (n.isZero(0) || !(spread > 0)) {
+      continue;
+    }
+    Eigen::Matrix<double, 3, 2> tangents;
+    tangents << n.unitOrthogonal(), n.cross(n.unitOrthogonal());
+    const Eigen::Matrix2d shape = tangents.transpose() * (shapes[a] + shapes[a].transpose()) * tangents / (2 * spread);
+    const double middle = shape.trace() / 2, half = 0.5 * (shape(0, 0) - shape(1, 1)), mixed = shape(0, 1);
+    const double radius = std::hypot(half, mixed);
+    const double large = std::abs(middle) + radius, small = std::abs(std::abs(middle) - radius);
+    const double q = (large - small) / (large + small + kFlat / size);
+    if (!(radius > 0) || !std::isfinite(q)) {
+      continue;
+    }
+    // The reflection that keeps the direction of the eigenvalue middle + radius and reverses the other one.
+    Eigen::Matrix2d along;
+    along << half, mixed, mixed, -half;
+    along *= (middle < 0 ? -1 : 1) / radius;
+    const double less = std::pow(kRib, -q / 2);
+    const Eigen::Matrix2d ribs =
+        0.5 * (less + 1 / less) * Eigen::Matrix2d::Identity() + 0.5 * (less - 1 / less) * along;
+    cells.metric[a] = n * n.transpose() + tangents * ribs * tangents.transpose();
+  }
+}
+
+}  // namespace
+
+RegionCells make_cells(const Region& region, const Points& rest, int target, ThreadPool& pool) {
   RegionCells cells;
   const int count = pack_cells(region, rest, target, pool, cells.of);
   cells.centres = centroids(cells.of, rest, count, cells.vertices);
   reach_borders(region, rest, cells);
-  CellSums(region, rest, weights, cells, pool).take();
+  CellSums(region, rest, surface_weights(region, rest), cells, pool).take();
+  measure_metric(size_of(rest, region.faces).size, cells);
   return cells;
 }
 

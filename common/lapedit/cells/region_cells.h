@@ -12,16 +12,6 @@
 
 namespace lapedit {
 
-/// A symmetric 3 x 3 tensor: xx xy xz yy yz zz.
-using Symmetric = Eigen::Matrix<double, 6, 1>;
-/// Returns v v^T.
-inline Symmetric squared(const Vector3& v) {
-  Symmetric result;
-  result << v[0] * v[0], v[0] * v[1], v[0] * v[2], v[1] * v[1], v[1] * v[2], v[2] * v[2];
-  return result;
-}
-Matrix3 full_matrix(const Symmetric& s);
-
 /// Returns a vector of three or four numbers in single precision; the fourth of three is 0.
 template <class Vector>
 Floats4 floats4(const Vector& v) {
@@ -38,28 +28,30 @@ void merge_weights(std::vector<std::pair<int, double>>& list);
 /// three cells meet in a face their centroids span a triangle, so that the cells form a coarse mesh of the region. All
 /// data depends only on the region and its rest pose, bit for bit, whatever the number of threads.
 struct RegionCells {
-  std::vector<int> of;           ///< cell of each vertex of the region
-  Points centres;                ///< centroids at rest, cells x 3; at open borders those of the vertices on the border
-  IndexLists neighbours;         ///< cells connected by an edge, ascending
-  std::vector<double> crossing;  ///< per entry of neighbours: sum of the weights w_ij of these edges
+  std::vector<int> of;    ///< cell of each vertex of the region
+  Points centres;         ///< centroids at rest, cells x 3; at open borders those of the vertices on the border
+  IndexLists neighbours;  ///< cells connected by an edge, ascending
+  /// Per entry of neighbours: the weight of the pair, at least 1e-3: the flux between both cells of the linear function
+  /// that grows by 1 from one centre to the other.
+  std::vector<double> crossing;
   std::vector<std::array<int, 3>> triangles;  ///< cells that meet in a face, ascending, each once
 
   /// Per cell: the number of its vertices, and the sum over them of a third of the area of their faces.
   std::vector<double> vertices, area;
   Points normals;  ///< sums of those faces' area normals
-  /// Sums over a cell's vertices: of w_ij, and of w_ij e e^T / 2 over the edges e, the cost of gradients in the cell.
-  std::vector<double> weight;
-  std::vector<Symmetric> stiffness;
+
+  /// The metric of each cell, a symmetric matrix of determinant 1: along the surface, lengths are up to 2^(1/4) times
+  /// shorter in the direction of the largest curvature and longer across it. Curvature is that of the cells, so details
+  /// have none. It makes limbs stiff around their axis, so that they stay round when they are bent or twisted.
+  std::vector<Matrix3> metric;
 
   int count() const { return static_cast<int>(vertices.size()); }
 };
 
 /// @param rest    size() x 3, the region's rest pose about a local origin
-/// @param weights  w_ij, one per entry of region.neighbours (see edge_weights); empty: 1, the umbrella's
 /// @param target  number of cells wanted, approximately met: see pack_cells()
 /// Cost: O(edges).
-RegionCells make_cells(const Region& region, const Points& rest, const std::vector<double>& weights, int target,
-                       ThreadPool& pool);
+RegionCells make_cells(const Region& region, const Points& rest, int target, ThreadPool& pool);
 
 /// Weights by which vertices follow cells. Each vertex follows at most kReach cells; the weights sum to 1, reproduce
 /// linear functions along the surface (moving least squares), and fall off smoothly with the distance from a cell.

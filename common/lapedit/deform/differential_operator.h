@@ -24,38 +24,52 @@ enum class LaplacianKind {
   /// uneven triangles stay connected. They are clamped to 1/1000 to 1000 times the weight in an equilateral mesh of the
   /// region's mean edge length; edges of triangles without area (or of none) have that weight. Source: M. Floater, Mean
   /// value coordinates, CAGD 2003.
-  MeanValue
+  MeanValue,
+  /// Cotangent weights and areas of the intrinsic Delaunay triangulation, see SurfaceLaplacian: the same surface gives
+  /// the same operator, however it is triangulated. With h^2 = 2 / sqrt(3) times the mean area, M = D^-1 L, where
+  /// D_i^2 = (4 / h)^2 A_i + (sum_j w_ij / 1000)^2, so that |M x|^2 is h^2 / 16 times the integral of the squared
+  /// Laplacian of x; the second term bounds M at slivers. Edges in no face of the region have the weight of an
+  /// equilateral mesh.
+  Surface
 };
 
 /// Returns the name of the weights in JSON.
 const char* name(LaplacianKind kind);
 
-/// Weights w_ji >= 0, one per entry of region.neighbours, before rows are normalised: alpha_ji = w_ji / sum_k w_jk.
+/// Weights w_ji >= 0 before rows are divided by D.
 struct EdgeWeights {
-  std::vector<double> values;
+  IndexLists neighbours;       ///< region.neighbours; of LaplacianKind::Surface those of the intrinsic triangulation
+  std::vector<double> values;  ///< one per entry of neighbours
   std::vector<char>
       uniform;  ///< marks entries without usable faces, which have the weight of an equilateral mesh; umbrella: empty
+  Eigen::VectorXd areas = {};  ///< of LaplacianKind::Surface
 };
 
 /// @param symmetric  gives both directions of each edge the larger weight; otherwise rows whose cotangent weights are
 ///                   all zero are not symmetric
 /// @param pool       null: the caller's thread alone; the weights do not depend on it
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric = false,
-                         ThreadPool* pool = nullptr);
+                         ThreadPool* pool = nullptr, const std::vector<Matrix3>* metric = nullptr);
 
-/// An n x n operator M over a region (paper, section 3): (M p)_j = p_j - sum_i alpha_ji p_i. Its diagonal is 1, other
-/// entries are -alpha_ji <= 0, and rows sum to 0; the row of a vertex without neighbours is zero. M is not symmetric,
-/// but M = D^-1 L with D the positive diagonal of the rows' sums of weights. L is symmetric positive semidefinite if
-/// weights are symmetric; its kernel is the constants on each connected component.
+/// Returns the weights of LaplacianKind::Surface, as edge_weights() does.
+/// @param rest  size() x 3
+EdgeWeights surface_weights(const Region& region, const Points& rest, const std::vector<Matrix3>* metric = nullptr);
+
+/// An n x n operator M over a region (paper, section 3): (M p)_j = p_j - sum_i alpha_ji p_i. Its off-diagonal entries
+/// are -alpha_ji <= 0, and rows sum to 0; the row of a vertex without neighbours is zero. M is not symmetric, but M =
+/// D^-1 L with the positive diagonal D, whose entries are the rows' sums of weights, so that the diagonal of M is 1,
+/// except with LaplacianKind::Surface. L is symmetric positive semidefinite if weights are symmetric; its kernel is the
+/// constants on each connected component.
 struct DifferentialOperator {
   SparseMatrix matrix;
-  int uniform_edges = 0;  ///< edges with the uniform weight, since their triangles have no usable one
-  Eigen::VectorXd sums;   ///< sums of each row's weights: D of M = D^-1 L
+  int uniform_edges = 0;    ///< edges with the uniform weight, since their triangles have no usable one
+  Eigen::VectorXd divisor;  ///< D
+  double mean = 0;          ///< of D on an even mesh
 };
 
-/// @param symmetric  as for edge_weights()
+/// @param symmetric  as for edge_weights(); @param metric  of LaplacianKind::Surface, see surface_laplacian()
 DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,
-                                           bool symmetric = false);
+                                           bool symmetric = false, const std::vector<Matrix3>* metric = nullptr);
 
 /// Returns M^k. @throws EditError (BadParameter) unless order is 1, 2 or 3
 SparseMatrix power(const SparseMatrix& matrix, int order);

@@ -70,12 +70,13 @@ const std::vector<Setting>& settings_table() {
     rough.only = EditMethod::Paper;
     return std::vector<Setting>{
         method,
-        choice<&S::laplacian>("laplacian", "Laplacian", "umbrella, cotangent or mean_value",
+        choice<&S::laplacian>("laplacian", "Laplacian", "umbrella, cotangent, mean_value or surface",
                               "How the detail at a vertex is measured: against the plain mean of its neighbours "
                               "(umbrella, the paper's choice), with cotangent weights, which depend less on the "
-                              "triangulation, or with mean-value weights, which uneven and obtuse triangles suit as "
-                              "well.",
-                              {"umbrella", "cotangent", "mean_value"}),
+                              "triangulation, with mean-value weights, which uneven and obtuse triangles suit as "
+                              "well, or with weights and areas of the surface, which do not depend on how it is "
+                              "triangulated.",
+                              {"umbrella", "cotangent", "mean_value", "surface"}),
         order,
         row<&S::membrane>(
             Kind::Number, "membrane", "membrane weight", "a number from 0 to 1000000", 0, 1e6,

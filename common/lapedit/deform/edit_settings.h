@@ -32,7 +32,7 @@ const char* name(RoughDeformation rough);
 /// The settings of an edit, independent of its region and handles. Each has a row in settings_table().
 struct EditSettings {
   EditMethod method = EditMethod::Default;
-  LaplacianKind laplacian = LaplacianKind::MeanValue;
+  LaplacianKind laplacian = LaplacianKind::Surface;
   int order = 1;  ///< EditMethod::Default has order 1 only
   /// Cost of stretching against bending, see membrane_factor(). 0: none, the paper's choice. The effect of values above
   /// 1000 is visible at the region's rim.

@@ -30,12 +30,27 @@ bool same_graph(const Region& a, const Region& b) {
          a.neighbours.offsets == b.neighbours.offsets && a.links == b.links;
 }
 
+/// Returns the graph of an operator.
+IndexLists graph_of(const OperatorRows::Rows& rows) {
+  IndexLists graph;
+  graph.values.reserve(static_cast<std::size_t>(rows.nonZeros()));
+  for (int i = 0; i < rows.rows(); ++i) {
+    for (OperatorRows::Rows::InnerIterator entry(rows, i); entry; ++entry) {
+      if (entry.col() != i) {
+        graph.values.push_back(static_cast<int>(entry.col()));
+      }
+    }
+    graph.offsets.push_back(static_cast<int>(graph.values.size()));
+  }
+  return graph;
+}
+
 /// Prepares the operator, factor and kernel of a system, or reuses those of the previous one.
 class Preparation {
  public:
   Preparation(LaplacianSystem& system, const LaplacianSystem* previous) : s_(system), previous_(previous) {}
 
-  void make_operator(const TriangleMesh& mesh);
+  void make_operator(const TriangleMesh& mesh, const std::vector<Matrix3>* metric);
   void weigh();
   /// Makes the factor and, on a second thread where that is faster, the smoothing kernel for the rotations of Lipman et
   /// al. 2004.
@@ -61,7 +76,7 @@ class Preparation {
 };
 
 /// Computes M (Lipman et al. 2004, section 3), M^k with its membrane, and delta = M p.
-void Preparation::make_operator(const TriangleMesh& mesh) {
+void Preparation::make_operator(const TriangleMesh& mesh, const std::vector<Matrix3>* metric) {
   const EditSettings& settings = s_.settings;
   refuse_fans(s_.region, settings.order, settings.order == 1 ? kLongRow : std::numeric_limits<int>::max());
   const bool membrane = settings.membrane > 0;
@@ -71,10 +86,10 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
   if (same && settings.laplacian == LaplacianKind::Umbrella && !membrane && s_.region.links.empty()) {
     operator_reused_ = true;
   } else {
-    const DifferentialOperator whole = differential_operator(settings.laplacian, s_.region, mesh, membrane);
+    const DifferentialOperator whole = differential_operator(settings.laplacian, s_.region, mesh, membrane, metric);
     Eigen::VectorXd stretch;
     if (membrane) {
-      stretch = membrane_factor(settings, s_.region, s_.rest.world, whole.sums.mean()) * whole.sums;
+      stretch = membrane_factor(settings, s_.region, s_.rest.local, whole.mean) * whole.divisor;
     }
     Eigen::VectorXd links = link_strengths(s_.region, s_.rest.world, settings.order);
     checkpoint();
@@ -92,6 +107,7 @@ void Preparation::make_operator(const TriangleMesh& mesh) {
       powers.first =
           settings.order == 1 && links.size() == 0 ? powers.m : std::make_shared<const OperatorRows>(whole.matrix);
       powers.uniform_edges = whole.uniform_edges;
+      powers.divisor = whole.divisor;
       powers.stretch = std::move(stretch);
       powers.links = std::move(links);
     }
@@ -140,10 +156,11 @@ void Preparation::make_factor_and_kernel() {
   if (reuse) {
     s_.order = previous_->order;
   } else {
-    order_reused_ = previous_ && previous_->order && same_graph(previous_->region, s_.region);
+    order_reused_ = previous_ && previous_->order && previous_->settings.laplacian == s_.settings.laplacian &&
+                    same_graph(previous_->region, s_.region);
     s_.order = order_reused_ ? previous_->order
                              : std::make_shared<const std::vector<int>>(
-                                   fill_reducing_ordering(s_.region.neighbours, s_.options.threads));
+                                   fill_reducing_ordering(graph_of(s_.powers.first->rows()), s_.options.threads));
   }
   constexpr int kWorthAThread = 2000;
   const bool has_kernel = s_.settings.method == EditMethod::Paper;
@@ -295,14 +312,15 @@ bool LaplacianSystem::all_anchored() const {
 
 std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest,
                                                       const EditSettings& settings, const SolverOptions& options,
-                                                      const LaplacianSystem* previous) {
+                                                      const LaplacianSystem* previous,
+                                                      const std::vector<Matrix3>* metric) {
   const auto made = std::make_shared<LaplacianSystem>(std::move(rest), settings, options);
   made->pool = previous && previous->options.threads == options.threads ? previous->pool
                                                                         : std::make_shared<ThreadPool>(options.threads);
   Preparation preparation(*made, previous);
   const Stopwatch watch;
   report_progress(0.1, "operator");
-  preparation.make_operator(mesh);
+  preparation.make_operator(mesh, metric);
   preparation.weigh();
   made->figures.operator_ms = watch.elapsed();
   report_progress(0.2, "factorisation");

@@ -21,6 +21,7 @@ constexpr double kAccurate = 1e-8;
 struct LaplacianPowers {
   std::shared_ptr<const OperatorRows> m, first;
   int uniform_edges = 0;    ///< see DifferentialOperator
+  Eigen::VectorXd divisor;  ///< D of M = D^-1 L
   Eigen::VectorXd stretch;  ///< the diagonal c D, see membrane_factor() and OperatorRows; empty without a membrane
   Eigen::VectorXd links;    ///< link_strengths(), whose rows m has below those of M^k; empty without links
 };
@@ -68,10 +69,12 @@ struct LaplacianSystem {
 };
 
 /// @param previous  system whose operator and factor are shared if they fit; null: the same bits in more time
+/// @param metric    of LaplacianKind::Surface, see surface_laplacian()
 /// @throws EditError (IllConditioned, Cancelled)
 std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest,
                                                       const EditSettings& settings, const SolverOptions& options,
-                                                      const LaplacianSystem* previous);
+                                                      const LaplacianSystem* previous,
+                                                      const std::vector<Matrix3>* metric = nullptr);
 
 /// @throws EditError (NotFinite) with a message for the user unless all positions of a result are finite
 void require_finite_result(const Points& positions);

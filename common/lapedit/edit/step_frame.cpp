@@ -175,8 +175,7 @@ void StepSolver::fit_frame() {
     f.before.row(i) += moved.transpose();
     f.relative.row(i) -= moved.transpose();
   }
-  local_step(*system_, rigid ? f.before : rest_->local, f.relative, f.passes - 1, f.local_step, f.rotations);
-  paths.rotate_hanging(f.rotations);
+  cells_->fit(*system_, rigid ? f.before : rest_->local, f.ahead(f.relative, f.passes - 1), f.rotations);
   for (int i = 0; i < n; ++i) {
     const Matrix3& linear = paths.rigid_motions()[region().component[i]].linear;
     const Matrix3 rotation = f.rotations[i] - Matrix3::Identity();

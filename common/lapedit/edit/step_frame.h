@@ -23,7 +23,7 @@ struct StepSolver::Frame {
   // For further passes.
   Points before, relative;  ///< rigidly moved pose, and displacement from it
   std::vector<Matrix3> rotations;
-  LocalStepScratch local_step;
+  Extrapolation ahead;
 
   Frame(const RestPose& rest, int threads);
 };

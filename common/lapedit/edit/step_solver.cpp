@@ -103,21 +103,19 @@ StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSe
 
 StepSolver::~StepSolver() = default;
 
-void StepSolver::make_cells(const TriangleMesh& mesh) {
+void StepSolver::make_cells() {
   if (!cells_) {
-    make_cells(mesh, options_.solver.threads);
+    const Stopwatch watch;
+    cells_ = std::make_unique<CellModel>(rest_, settings_, ThreadPool(options_.solver.threads));
+    preparation_.cells_ms = watch.elapsed();
   }
-}
-
-void StepSolver::make_cells(const TriangleMesh& mesh, int threads) {
-  const Stopwatch watch;
-  cells_ = std::make_unique<CellModel>(mesh, rest_, settings_, ThreadPool(threads));
-  preparation_.cells_ms = watch.elapsed();
 }
 
 std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMesh& mesh,
                                                                const LaplacianSystem* previous) const {
-  auto system = prepare_system(mesh, rest_, settings_, options_.solver, previous);
+  const bool has_metric = settings_.method == EditMethod::Default && cells_;
+  const std::vector<Matrix3> metric = has_metric ? cells_->metric() : std::vector<Matrix3>();
+  auto system = prepare_system(mesh, rest_, settings_, options_.solver, previous, has_metric ? &metric : nullptr);
   report_progress(0.9, "solve");
   return system;
 }
@@ -132,18 +130,10 @@ void StepSolver::take(std::shared_ptr<const LaplacianSystem> system) {
 }
 
 void StepSolver::prepare(const TriangleMesh& mesh, const LaplacianSystem* previous) {
-  constexpr int kWorthAThread = 2000;
-  const bool has_cells = settings_.method == EditMethod::Default && !cells_;
-  const bool apart = has_cells && region().size() >= kWorthAThread && thread_count(options_.solver.threads) > 1;
-  std::shared_ptr<const LaplacianSystem> system;
-  ThreadPool(apart ? 2 : 1).each(has_cells ? 2 : 1, [&](int k) {
-    if (k == 0) {
-      system = make_system(mesh, previous);
-    } else {
-      make_cells(mesh, apart ? 1 : options_.solver.threads);
-    }
-  });
-  take(std::move(system));
+  if (settings_.method == EditMethod::Default) {
+    make_cells();
+  }
+  take(make_system(mesh, previous));
 }
 
 void StepSolver::finish(Points& positions) const {
@@ -183,8 +173,7 @@ void StepSolver::local_global() {
       cells_->spread(rotations_, *system_->pool);
     } else {
       rotations_before_ = rotations_;
-      local_step(*system_, constraints_->start(), displacement_, figures_.iterations - 1, local_step_, rotations_);
-      constraints_->paths().rotate_hanging(rotations_);
+      cells_->fit(*system_, constraints_->start(), ahead_(displacement_, figures_.iterations - 1), rotations_);
     }
     figures_.rotate_ms += watch.elapsed();
     rotate_and_solve();

@@ -88,7 +88,7 @@ class StepSolver {
 
   /// Makes cells if there are none, so that frames are available. Cost: some milliseconds per 10000 vertices.
   /// @throws EditError (IllConditioned, Cancelled)
-  void make_cells(const TriangleMesh& mesh);
+  void make_cells();
   /// Makes the system: the operator, one sparse Cholesky factorisation, tables. The object does not change, so another
   /// thread may compute frames meanwhile.
   /// @param previous  a system that is no longer needed, or null. Parts that still fit, above all the factor, are
@@ -152,7 +152,6 @@ class StepSolver {
   };
   struct Frame;
 
-  void make_cells(const TriangleMesh& mesh, int threads);
   void solve(const Points& right);
   void rotate_and_solve();
   void local_global();
@@ -185,7 +184,7 @@ class StepSolver {
   Points right_;         // right-hand side of the normal equations
   Points positions_;
   std::vector<Matrix3> rotations_, rotations_before_;  // of the last two passes
-  LocalStepScratch local_step_;
+  Extrapolation ahead_;
   RotatedCoordinates rotated_;
 
   std::unique_ptr<Frame> frame_;  // null before the first frame

@@ -50,7 +50,7 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
       sum += squared;
       squares[i] += weights_[k] * squared;
     }
-    squares[i] /= whole.sums[i] > 0 ? whole.sums[i] : 1;
+    squares[i] /= whole.divisor[i] > 0 ? whole.divisor[i] : 1;
   }
   const double mean_square = sum / static_cast<double>(std::max<std::size_t>(1, neighbours.values.size()));
   edge_length_ = std::sqrt(mean_square);
@@ -58,11 +58,11 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
   const Eigen::VectorXd scale = 4 * mass_.cwiseSqrt().cwiseQuotient(squares);
   double cost = 0;
   for (int i = 0; i < n; ++i) {
-    cost += whole.sums[i] > 0 ? 4 * mass_[i] / (squares[i] * whole.sums[i]) : 0;
+    cost += whole.divisor[i] > 0 ? 4 * mass_[i] / (squares[i] * whole.divisor[i]) : 0;
   }
   membrane_ = membrane / (size * size) * cost / n;
   rows_ = std::make_shared<const OperatorRows>(SparseMatrix(scale.asDiagonal() * whole.matrix),
-                                               membrane_ * whole.sums.cwiseQuotient(scale));
+                                               membrane_ * whole.divisor.cwiseQuotient(scale));
 }
 
 void TemplateEnergy::factor(double length, const Eigen::VectorXd& diagonal) {

@@ -357,7 +357,7 @@ Edit fit_landmarks(HandleGroup group) {
   step.region.kind = RegionSpec::Kind::Component;
   step.handles = {std::move(group)};
   step.settings = EditSettings::of(EditMethod::Linear);
-  step.settings.laplacian = LaplacianKind::Cotangent;
+  step.settings.laplacian = LaplacianKind::Surface;
   step.settings.handle_weight = step.settings.anchor_weight = 30;
   return edit;
 }

@@ -145,7 +145,7 @@ struct SolverThread::Impl {
   void prepare(const PrepareTask& task, int mine);
   void prepare_in_background();
   void take_prepared(std::unique_lock<std::mutex>& lock);
-  void make_cells(StepSolver& solver, const TriangleMesh& mesh);
+  void make_cells(StepSolver& solver);
   void publish_ready(int mine, double prepare_ms, bool has_preview);
 
   // Posing.
@@ -234,9 +234,9 @@ void SolverThread::Impl::publish_ready(int mine, double prepare_ms, bool has_pre
 }
 
 /// Makes the cells. Ignores an error if only frames need cells, since poses are possible without them.
-void SolverThread::Impl::make_cells(StepSolver& solver, const TriangleMesh& mesh) {
+void SolverThread::Impl::make_cells(StepSolver& solver) {
   try {
-    solver.make_cells(mesh);
+    solver.make_cells();
   } catch (const EditError& error) {
     if (error.cause() == ErrorCause::Cancelled || solver.settings().method == EditMethod::Default) {
       throw;
@@ -258,7 +258,7 @@ void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
       std::make_shared<StepSolver>(*task.mesh, found, task.settings, StepOptions{task.scalar, task.mirror});
   const bool is_large = found.region->size() >= kPreviewFrom;
   if (is_large || task.settings.method == EditMethod::Linear) {
-    make_cells(*solver, *task.mesh);
+    make_cells(*solver);
   }
   if (!is_large) {
     solver->prepare(*task.mesh, work.system.get());

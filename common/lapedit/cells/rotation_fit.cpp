@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/cells/rotation_fit.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "lapedit/base/polar_decomposition.h"
+#include "lapedit/cells/cell_pose.h"
+
+namespace lapedit {
+
+RotationFit::RotationFit(const RegionCells& cells)
+    : cells_(cells),
+      areas_(Eigen::Map<const Eigen::VectorXd>(cells.area.data(), cells.count())),
+      scratch_(cells.count(), 3),
+      rotations_(cells.count()) {
+  members_.offsets.assign(static_cast<std::size_t>(cells.count()) + 1, 0);
+  for (const int c : cells.of) {
+    ++members_.offsets[c + 1];
+  }
+  std::partial_sum(members_.offsets.begin(), members_.offsets.end(), members_.offsets.begin());
+  members_.values.resize(cells.of.size());
+  std::vector<int> next(members_.offsets.begin(), members_.offsets.end() - 1);
+  for (int i = 0; i < static_cast<int>(cells.of.size()); ++i) {
+    members_.values[next[cells.of[i]]++] = i;
+  }
+  for (int k = 0; k < 3; ++k) {
+    rest_[k].resize(cells.count(), 3);
+    moved_[k].resize(cells.count(), 3);
+  }
+  constexpr double kLeast = 1e-3;  // of a cell's area, over the mean
+  const double mean = areas_.sum() > 0 ? areas_.mean() : 1, time = mean * cells.count() / CellPose::kCells;
+  areas_ = areas_.cwiseMax(kLeast * mean);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int a = 0; a < cells.count(); ++a) {
+    entries.emplace_back(a, a, areas_[a]);
+    for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
+      const int b = cells.neighbours.values[k];
+      const double weight = std::min(time, std::min(areas_[a], areas_[b])) * cells.crossing[k];
+      entries.emplace_back(a, a, weight);
+      entries.emplace_back(a, b, -weight);
+    }
+  }
+  SparseMatrix matrix(cells.count(), cells.count());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  diffusion_ = std::make_unique<SparseCholesky>(matrix, CholeskyBackend::Eigen);
+}
+
+void RotationFit::diffuse(Points& rows) {
+  diffusion_->solve(rows, scratch_);
+  for (Eigen::Index c = 0; c < scratch_.rows(); ++c) {
+    scratch_.row(c) *= areas_[c];
+  }
+  diffusion_->solve(scratch_, rows);
+}
+
+/// The covariance is that at rest, which is symmetric, and the change by the displacement. Each is diffused by itself,
+/// so that a component without displacement has exactly the identity.
+const std::vector<Matrix3>& RotationFit::operator()(const LaplacianSystem& system, const Points& before,
+                                                    const Points& displacement) {
+  constexpr int kGrain = 4;
+  const OperatorRows::Rows& m = system.powers.first->rows();
+  for_indices(*system.pool, cells_.count(), kGrain, [&](int c) {
+    Matrix3 rest = Matrix3::Zero(), moved = rest;
+    for (const int i : members_[c]) {
+      for (OperatorRows::Rows::InnerIterator entry(m, i); entry; ++entry) {
+        const auto j = static_cast<int>(entry.col());
+        const double weight = -entry.value() * system.powers.divisor[i];
+        const Vector3 edge = (before.row(i) - before.row(j)).transpose();
+        rest += weight * edge * edge.transpose();
+        moved += weight * (displacement.row(i) - displacement.row(j)).transpose() * edge.transpose();
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      rest_[k].row(c) = rest.row(k);
+      moved_[k].row(c) = moved.row(k);
+    }
+  });
+  for (int k = 0; k < 3; ++k) {
+    diffuse(rest_[k]);
+    diffuse(moved_[k]);
+  }
+  for (int c = 0; c < cells_.count(); ++c) {
+    Matrix3 rest, moved;
+    for (int k = 0; k < 3; ++k) {
+      rest.row(k) = rest_[k].row(c);
+      moved.row(k) = moved_[k].row(c);
+    }
+    rotations_[c] = 0.5 * (rest + rest.transpose()) + moved;
+    if (!rotations_[c].allFinite()) {
+      rotations_[c].setIdentity();
+    }
+  }
+  nearest_rotations(rotations_.data(), cells_.count(), rotations_.data());
+  return rotations_;
+}
+
+}  // namespace lapedit

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lapedit/cells/region_cells.h"
+#include "lapedit/deform/laplacian_system.h"
+
+namespace lapedit {
+
+/// Fits rotations of cells to a pose of the vertices: the local step of as-rigid-as-possible deformation (O. Sorkine,
+/// M. Alexa, SGP 2007). The covariance of a cell is the sum of w_ij (x_i - x_j)(p_i - p_j)^T over its vertices i.
+/// Covariances are diffused along the surface over a length of about a cell, C = (A + t L)^-1 A (A + t L)^-1 sum with t
+/// = area / 400, which keeps details from tilting, however fine the mesh is. R is the rotation nearest to C.
+class RotationFit {
+ public:
+  /// @param cells  must outlive the object
+  explicit RotationFit(const RegionCells& cells);
+
+  /// @param before        p, size() x 3
+  /// @param displacement  x - p
+  /// @return one rotation per cell, valid until the next call; exactly the identity in components that do not move
+  /// Cost: O(edges). The bits are the same for any number of threads; nothing is allocated.
+  const std::vector<Matrix3>& operator()(const LaplacianSystem& system, const Points& before,
+                                         const Points& displacement);
+
+ private:
+  void diffuse(Points& rows);
+
+  const RegionCells& cells_;
+  IndexLists members_;  // vertices of each cell
+  Eigen::VectorXd areas_;
+  std::unique_ptr<SparseCholesky> diffusion_;
+  Points rest_[3], moved_[3], scratch_;  // rows of a matrix per cell
+  std::vector<Matrix3> rotations_;
+};
+
+}  // namespace lapedit

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/deform/intrinsic_triangulation.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit::intrinsic_triangulation_test {
+namespace {
+
+/// Flips random edges of a flat mesh where both new faces keep an area.
+TriangleMesh flipped(TriangleMesh mesh, int flips, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto area = [&](int a, int b, int c) {
+    const Vector3 first = (mesh.vertices.row(b) - mesh.vertices.row(a)).transpose(),
+                  second = (mesh.vertices.row(c) - mesh.vertices.row(a)).transpose();
+    return first.cross(second)[2];
+  };
+  for (int tries = 0; flips > 0 && tries < 100000; ++tries) {
+    const auto f = static_cast<Eigen::Index>(random() % static_cast<unsigned>(mesh.faces.rows()));
+    const int s = static_cast<int>(random() % 3), a = mesh.faces(f, s), b = mesh.faces(f, (s + 1) % 3),
+              c = mesh.faces(f, (s + 2) % 3);
+    for (Eigen::Index g = 0; g < mesh.faces.rows(); ++g) {
+      for (int t = 0; t < 3 && g != f; ++t) {
+        const int d = mesh.faces(g, (t + 2) % 3);
+        if (mesh.faces(g, t) == b && mesh.faces(g, (t + 1) % 3) == a && area(d, b, c) > 0.02 && area(a, d, c) > 0.02) {
+          mesh.faces.row(f) << d, b, c;
+          mesh.faces.row(g) << a, d, c;
+          --flips;
+          g = mesh.faces.rows() - 1;
+          break;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(flips, 0);
+  return mesh;
+}
+
+TriangleMesh shaken_sheet() {
+  TriangleMesh mesh = shapes::grid(20, 20);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> step(-0.3, 0.3);
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    const Vector3 p = mesh.vertices.row(v);
+    if (p[0] > 0.5 && p[0] < 18.5 && p[1] > 0.5 && p[1] < 18.5) {
+      mesh.vertices(v, 0) += step(random);
+      mesh.vertices(v, 1) += step(random);
+    }
+  }
+  return mesh;
+}
+
+double difference(const SurfaceLaplacian& a, const SurfaceLaplacian& b) {
+  const auto dense = [](const SurfaceLaplacian& from) {
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(from.areas.size(), from.areas.size());
+    for (int i = 0; i < from.neighbours.rows(); ++i) {
+      for (int k = from.neighbours.offsets[i]; k < from.neighbours.offsets[i + 1]; ++k) {
+        result(i, from.neighbours.values[k]) = from.weights[k];
+      }
+    }
+    return result;
+  };
+  return std::max((dense(a) - dense(b)).cwiseAbs().maxCoeff(), (a.areas - b.areas).cwiseAbs().maxCoeff());
+}
+
+TEST(SurfaceLaplacian, DoesNotDependOnTheTriangulation) {
+  const TriangleMesh sheet = shaken_sheet();
+  const SurfaceLaplacian expected = surface_laplacian(sheet.vertices, sheet.faces);
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const TriangleMesh other = flipped(sheet, 150, seed);
+    EXPECT_LT(difference(surface_laplacian(other.vertices, other.faces), expected), 1e-4) << seed;
+  }
+}
+
+TEST(SurfaceLaplacian, DoesNotDependOnTheOrientationOfFaces) {
+  TriangleMesh mesh = shapes::icosphere(3);
+  const SurfaceLaplacian expected = surface_laplacian(mesh.vertices, mesh.faces);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); f += 2) {
+    std::swap(mesh.faces(f, 0), mesh.faces(f, 1));
+  }
+  EXPECT_LT(difference(surface_laplacian(mesh.vertices, mesh.faces), expected), 1e-9);
+}
+
+/// Caps and needles down to no area, and long faces on the border.
+TEST(SurfaceLaplacian, AreasSumToTheSurfacesAndWeightsArePositiveWithSlivers) {
+  for (const double height : {0.0, 1e-12, 1e-6, 1e-3, 0.1, 2.0}) {
+    TriangleMesh mesh = shapes::grid(12, 12);
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      mesh.vertices(v, 1) *= v % 12 < 6 ? 1 : height;
+    }
+    double area = 0;
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+      const Vector3 a = mesh.vertices.row(mesh.faces(f, 0)), b = mesh.vertices.row(mesh.faces(f, 1)),
+                    c = mesh.vertices.row(mesh.faces(f, 2));
+      area += 0.5 * (b - a).cross(c - a).norm();
+    }
+    const SurfaceLaplacian found = surface_laplacian(mesh.vertices, mesh.faces);
+    EXPECT_NEAR(found.areas.sum() / area, 1, 0.01) << height;
+    EXPECT_GE(found.areas.minCoeff(), 0) << height;
+    ASSERT_FALSE(found.weights.empty());
+    EXPECT_GT(*std::min_element(found.weights.begin(), found.weights.end()), 0) << height;
+    for (int i = 0; i < found.neighbours.rows(); ++i) {
+      for (int k = found.neighbours.offsets[i]; k < found.neighbours.offsets[i + 1]; ++k) {
+        EXPECT_EQ(found.weights[k], found.weights[found.neighbours.entry(found.neighbours.values[k], i)]) << height;
+      }
+    }
+  }
+}
+
+/// Three faces at an edge, a strip with a half turn, and all vertices at one place.
+TEST(SurfaceLaplacian, TakesSurfacesThatAreNoManifolds) {
+  const Points corners = (Points(6, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0.5, 0, 0, 1, 1, 1, 1).finished();
+  const Faces book = (Faces(3, 3) << 0, 1, 2, 0, 1, 3, 1, 0, 4).finished();
+  const Faces strip = (Faces(6, 3) << 0, 1, 2, 1, 2, 3, 2, 3, 4, 3, 4, 5, 4, 5, 1, 5, 1, 0).finished();
+  for (const Faces& faces : {book, strip}) {
+    const SurfaceLaplacian found = surface_laplacian(corners, faces);
+    EXPECT_TRUE(found.areas.allFinite());
+    EXPECT_GT(found.weights.size(), 4U);
+    const SurfaceLaplacian none = surface_laplacian(Points::Zero(6, 3), faces);
+    EXPECT_TRUE(none.areas.allFinite());
+    for (const double weight : none.weights) {
+      EXPECT_TRUE(std::isfinite(weight));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lapedit::intrinsic_triangulation_test
