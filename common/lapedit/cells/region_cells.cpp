@@ -59,6 +59,7 @@ void reach_borders(const Region& region, const Points& rest, RegionCells& cells)
 /// Contributions of one chunk of the region's faces and edges to the cells.
 struct PartialSums {
   std::vector<double> area;
+  double free_area = 0;
   Points normals;
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::vector<std::pair<int, double>>> crossing;  // per cell: the edges to others, and their weights
@@ -111,6 +112,7 @@ void CellSums::add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last)
     for (int k = 0; k < 3; ++k) {
       to.normals.row(cell[k]) += normal.transpose();
       to.area[cell[k]] += fraction;
+      to.free_area += region_.classes[region_.faces(f, k)] == VertexClass::Free ? fraction : 0;
     }
     if (cell[0] != cell[1] && cell[1] != cell[2] && cell[2] != cell[0]) {
       std::sort(cell, cell + 3);
@@ -148,6 +150,7 @@ void CellSums::merge(std::vector<PartialSums>& chunks) {
       cells_.area[c] += chunk.area[c];
     }
     cells_.normals += chunk.normals;
+    cells_.free_area += chunk.free_area;
     cells_.triangles.insert(cells_.triangles.end(), chunk.triangles.begin(), chunk.triangles.end());
   }
   std::sort(cells_.triangles.begin(), cells_.triangles.end());
@@ -387,7 +390,7 @@ void average(const IndexLists& neighbours, std::vector<Matrix3>& matrices) {
 /// Computes RegionCells::metric from the shape tensor S_a = sum_b w_ab (n_a - n_b)(c_a - c_b)^T over half the trace of
 /// sum_b w_ab (c_a - c_b)(c_a - c_b)^T.
 void measure_metric(double size, RegionCells& cells) {
-  constexpr double kRib = 2, kFlat = 0.5;  // curvatures below kFlat / size change nothing
+  constexpr double kRib = 2.5, kFlat = 0.5;  // curvatures below kFlat / size change nothing
   const int m = cells.count();
   std::vector<Matrix3> normals(m, Matrix3::Zero());  // in the first column
   for (int a = 0; a < m; ++a) {

@@ -38,9 +38,10 @@ struct RegionCells {
 
   /// Per cell: the number of its vertices, and the sum over them of a third of the area of their faces.
   std::vector<double> vertices, area;
-  Points normals;  ///< sums of those faces' area normals
+  double free_area = 0;  ///< the part of the area that belongs to free vertices
+  Points normals;        ///< sums of those faces' area normals
 
-  /// The metric of each cell, a symmetric matrix of determinant 1: along the surface, lengths are up to 2^(1/4) times
+  /// The metric of each cell, a symmetric matrix of determinant 1: along the surface, lengths are up to 1.26 times
   /// shorter in the direction of the largest curvature and longer across it. Curvature is that of the cells, so details
   /// have none. It makes limbs stiff around their axis, so that they stay round when they are bent or twisted.
   std::vector<Matrix3> metric;

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "lapedit/base/polar_decomposition.h"
-#include "lapedit/cells/cell_pose.h"
 
 namespace lapedit {
 
@@ -28,15 +27,17 @@ RotationFit::RotationFit(const RegionCells& cells)
     rest_[k].resize(cells.count(), 3);
     moved_[k].resize(cells.count(), 3);
   }
-  constexpr double kLeast = 1e-3;  // of a cell's area, over the mean
-  const double mean = areas_.sum() > 0 ? areas_.mean() : 1, time = mean * cells.count() / CellPose::kCells;
-  areas_ = areas_.cwiseMax(kLeast * mean);
+  constexpr double kLeast = 1e-3;          // of the mean area
+  constexpr double kVariance = 1.0 / 145;  // of the free area
+  constexpr double kOfCell = 0.34;         // of a cell's area: the variance that sums over cells and blends have anyway
+  areas_ = areas_.cwiseMax(kLeast * areas_.mean());
+  const Eigen::VectorXd times = (kVariance * cells.free_area - kOfCell * areas_.array()).cwiseMax(0) / 4;
   std::vector<Eigen::Triplet<double>> entries;
   for (int a = 0; a < cells.count(); ++a) {
-    entries.emplace_back(a, a, areas_[a]);
+    entries.emplace_back(a, a, areas_[a] > 0 ? areas_[a] : 1);
     for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
       const int b = cells.neighbours.values[k];
-      const double weight = std::min(time, std::min(areas_[a], areas_[b])) * cells.crossing[k];
+      const double weight = std::min(times[a], times[b]) * cells.crossing[k];
       entries.emplace_back(a, a, weight);
       entries.emplace_back(a, b, -weight);
     }
