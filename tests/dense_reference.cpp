@@ -57,14 +57,19 @@ Matrix operator_of(const Matrix& weights) {
   return Matrix::Identity(n, n) - Matrix(weights.rowwise().sum().cwiseInverse().asDiagonal() * weights);
 }
 
-double membrane_of(const EditSettings& settings, const std::set<std::pair<int, int>>& edges, const Points& rest,
-                   const Matrix& weights) {
-  double edge = 0;
-  for (const auto& [i, j] : edges) {
-    edge += (rest.row(i) - rest.row(j)).norm() / static_cast<double>(edges.size());
+double membrane_of(const EditSettings& settings, const Region& region, const Points& rest, const Matrix& weights) {
+  const Eigen::Index n = region.faces.rows();
+  Eigen::VectorXd areas(n);
+  Points centres(n, 3);
+  for (Eigen::Index f = 0; f < n; ++f) {
+    const Vector3 a = rest.row(region.faces(f, 0)), b = rest.row(region.faces(f, 1)), c = rest.row(region.faces(f, 2));
+    areas[f] = (b - a).cross(c - a).norm() / 2;
+    centres.row(f) = (a + b + c).transpose() / 3;
   }
-  const double squared_size = 2 * (rest.rowwise() - rest.colwise().mean()).rowwise().squaredNorm().mean();
-  return std::min(settings.membrane * std::pow(edge / 2, 2) / squared_size, 1.0) / weights.rowwise().sum().mean();
+  const Eigen::RowVector3d middle = areas.transpose() * centres / areas.sum();
+  const double squared_size = 2 * areas.dot((centres.rowwise() - middle).rowwise().squaredNorm()) / areas.sum();
+  const double squared_edge = 2 / std::sqrt(3.0) * areas.sum() / static_cast<double>(rest.rows());
+  return std::min(settings.membrane * squared_edge / 4 / squared_size, 1.0) / weights.rowwise().sum().mean();
 }
 
 Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings& settings, const Points& targets,
@@ -93,12 +98,12 @@ Points solve(const TriangleMesh& mesh, const Region& region, const EditSettings&
                                 : 0;
   }
   if (settings.method == EditMethod::Paper && settings.membrane > 0) {  // whole coordinates rotate: no sum of squares
-    const double factor = membrane_of(settings, edges, rest, weights);
+    const double factor = membrane_of(settings, region, rest, weights);
     const Matrix left = m.transpose() + Matrix((factor * weights.rowwise().sum()).asDiagonal());
     const Matrix squared = constraint_weights.cwiseAbs2().asDiagonal();
     return (left * m + squared).ldlt().solve(left * deltas + squared * Matrix(targets));
   }
-  const double stretch = settings.membrane > 0 ? membrane_of(settings, edges, rest, weights) / 2 : 0;  // each twice
+  const double stretch = settings.membrane > 0 ? membrane_of(settings, region, rest, weights) / 2 : 0;  // each twice
   const Eigen::Index stacked = Eigen::Index{2} * n + (stretch > 0 ? static_cast<Eigen::Index>(edges.size()) : 0);
   Matrix a = Matrix::Zero(stacked, n), b = Matrix::Zero(stacked, 3);
   a.topRows(n) = m;

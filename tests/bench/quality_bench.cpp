@@ -19,6 +19,7 @@
 #include "peers.h"
 #include "quality_edits.h"
 #include "quality_files.h"
+#include "quality_remeshing.h"
 #include "quality_report.h"
 #include "quality_scene.h"
 
@@ -37,6 +38,7 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
   --targets NAME        the settings that are compared with the targets (default)
   --jumps               instead of the table: the largest movement in 50, 500 and 5,000 steps of each edit
   --renumbered          instead of the table: the change of each edit when the mesh is numbered at random
+  --remeshed            instead of the table: the change of each edit when the surface is triangulated anew
   --frames              instead of the table: the distance of frames from the released pose
   --threads N           ours; 0, the default: as many as the machine has
   --repeat N            best times of so many runs (2)
@@ -50,9 +52,9 @@ struct Options {
   std::map<std::string, std::string> values = {{"--edits", ""},          {"--only", ""},     {"--ours", ""},
                                                {"--targets", "default"}, {"--threads", "0"}, {"--repeat", "2"},
                                                {"--json", ""},           {"--out", ""}};
-  std::map<std::string, bool> flags = {{"--quick", false},     {"--blender", false},    {"--meshlab", false},
-                                       {"--generated", false}, {"--real", false},       {"--list", false},
-                                       {"--jumps", false},     {"--renumbered", false}, {"--frames", false}};
+  std::map<std::string, bool> flags = {
+      {"--quick", false}, {"--blender", false}, {"--meshlab", false},    {"--generated", false}, {"--real", false},
+      {"--list", false},  {"--jumps", false},   {"--renumbered", false}, {"--frames", false},    {"--remeshed", false}};
   std::vector<std::pair<std::string, std::string>> ours;  ///< settings with their names
   int threads = 0, repeat = 2;
 
@@ -222,6 +224,10 @@ int run(int argc, char** argv) {
         return 0;
       }
     }
+  }
+  if (options.has("--remeshed")) {
+    print_remeshed(chosen, methods);
+    return 0;
   }
   print_head();
   std::vector<Row> rows;

@@ -78,7 +78,7 @@ TEST(EditSettings, MethodGivesTheOthersTheirValues) {
   const EditSettings standard, paper = EditSettings::of(EditMethod::Paper),
                                linear = EditSettings::of(EditMethod::Linear);
   EXPECT_EQ(standard, EditSettings::of(EditMethod::Default));
-  EXPECT_EQ(standard.laplacian, LaplacianKind::MeanValue);
+  EXPECT_EQ(standard.laplacian, LaplacianKind::Surface);
   EXPECT_EQ(standard.membrane, 500);
   EXPECT_EQ(standard.handle_weight, 30);
   EXPECT_EQ(standard.passes(), 3);

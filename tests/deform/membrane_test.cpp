@@ -119,8 +119,7 @@ TEST(Membrane, IsNoneWhereItIsNotAskedForOrMeansNothing) {
   EXPECT_EQ(membrane_factor(with_membrane(9), region, mesh.vertices, 0), 0);
   EXPECT_EQ(membrane_factor(with_membrane(9), region, Points::Zero(25, 3), 6), 0) << "a region without any size";
   EXPECT_EQ(membrane_factor(with_membrane(9), region, mesh.vertices, std::numeric_limits<double>::quiet_NaN()), 0);
-  region.neighbours.values.clear();
-  region.neighbours.offsets.assign(26, 0);
+  region.faces.resize(0, 3);
   EXPECT_EQ(membrane_factor(with_membrane(9), region, mesh.vertices, 6), 0);
 }
 

@@ -71,7 +71,7 @@ std::vector<Scene> scenes() {
       scene("vertex", letters, within(0.9), {{at(letters, middle)}}, {shift({0.2, 0.1, 0.5})}, with(umbrella, paper),
             0.14, 0.33),
       scene("unrotated", letters, within(0.9), {{at(letters, middle)}}, {shift({0.2, 0.1, 0.5})},
-            with(umbrella, linear), 0.024, 0.09),
+            with(umbrella, linear), 0.09, 0.32),
       scene("turned", letters, within(0.8), {around(letters, middle, 0.15)},
             {rigid(30, {0, 1, 0}, {0, 0.1, 0.3}, middle)}, with(umbrella, paper), 0.08, 0.28),
       scene("two groups", letters, within(0.55),
@@ -88,7 +88,7 @@ std::vector<Scene> scenes() {
             {around(letters, {1.4, 1, 0}, 0.12), around(letters, {2.6, 1, 0}, 0.12)},
             {shift({0, 0, 0.4}), rigid(25, {1, 0, 0}, {0, 0, -0.2}, {2.6, 1, 0})}, {}, 0.08, 0.38),
       scene("curve by default", grid, within(25), {line}, {shift({0, 0, 8})}, {}, 0.036, 0.125),
-      scene("ball by default", ball, within(1.5), {{at(ball, {0, 0, 1})}}, {shift({0.2, 0, 0.5})}, {}, 0.027, 0.054),
+      scene("ball by default", ball, within(1.5), {{at(ball, {0, 0, 1})}}, {shift({0.2, 0, 0.5})}, {}, 0.05, 0.106),
   };
 }
 

@@ -124,7 +124,7 @@ TEST(Step, NextDragInARegionReusesWhatIsTheSame) {
   cotangent.laplacian = LaplacianKind::Cotangent;
   for (const Case& c :
        {Case{EditSettings::of(EditMethod::Paper), {}, "operator and factor"}, Case{cotangent, {}, "analysis"},
-        Case{{}, {}, "analysis"}, Case{{}, {0, CholeskyBackend::Eigen}, "ordering"}}) {
+        Case{{}, {}, "ordering"}, Case{{}, {0, CholeskyBackend::Eigen}, "ordering"}}) {
     Scene scene;
     scene.step.settings = c.settings;
     scene.step.region.kind = RegionSpec::Kind::Vertices;

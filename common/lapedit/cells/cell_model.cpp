@@ -85,17 +85,6 @@ void CellModel::fit(const LaplacianSystem& system, const Points& before, const P
   spread(rotations, *system.pool);
 }
 
-std::vector<Matrix3> CellModel::metric() const {
-  std::vector<Matrix3> result(hold_.size(), Matrix3::Zero());
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    for (int k = 0; k < CellBlend::kReach; ++k) {
-      const auto at = static_cast<Eigen::Index>(i);
-      result[i] += static_cast<double>(blend_.weights(k, at)) * cells_.metric[blend_.cells(k, at)];
-    }
-  }
-  return result;
-}
-
 struct CellModel::Displacing {
   const CellBlend& blend;
   const std::vector<double>& hold;

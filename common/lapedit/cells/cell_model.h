@@ -26,9 +26,6 @@ class CellModel {
   const CellPose& pose() const { return pose_; }
   const GroupPaths& paths() const { return paths_; }  ///< of the last solve(), at their ends
 
-  /// Returns the metric of each vertex, blended from those of the cells, for surface_laplacian().
-  std::vector<Matrix3> metric() const;
-
   /// @param handles,anchors  as for GroupPaths::set()
   /// @param quick            see CellPose::solve()
   /// Poses the cells. The result does not depend on earlier calls; after the first call memory is allocated for targets

@@ -17,8 +17,9 @@ namespace {
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 /// Returns the positive semidefinite matrix L_ij, the integral of (grad phi_i)^T G^-1 (grad phi_j) over the cells'
-/// triangles. An edge that no triangle contains has its weight in `crossing`.
-SparseMatrix stiffness_matrix(const RegionCells& cells) {
+/// triangles, where G is the cells' metric in the plane of a triangle, with determinant 1. An edge that no triangle
+/// contains has its weight in `crossing`.
+SparseMatrix stiffness_matrix(const RegionCells& cells, bool with_metric = true) {
   constexpr double kSliver = 0.05;  // twice the area over the longest edge squared; below it, gradients are inaccurate
   const int m = cells.count();
   Triplets entries;
@@ -35,7 +36,13 @@ SparseMatrix stiffness_matrix(const RegionCells& cells) {
       continue;
     }
     normal /= twice_area;
-    const Matrix3 tensor = ((cells.metric[t[0]] + cells.metric[t[1]] + cells.metric[t[2]]) / 3).inverse();
+    Eigen::Matrix<double, 3, 2> plane;
+    plane << normal.unitOrthogonal(), normal.cross(normal.unitOrthogonal());
+    const Eigen::Matrix2d metric =
+        with_metric ? Eigen::Matrix2d(plane.transpose() *
+                                      (cells.metric[t[0]] + cells.metric[t[1]] + cells.metric[t[2]]) * plane)
+                    : Eigen::Matrix2d(Eigen::Matrix2d::Identity());
+    const Matrix3 tensor = std::sqrt(metric.determinant()) * plane * metric.inverse() * plane.transpose();
     Vector3 gradient[3];
     for (int k = 0; k < 3; ++k) {
       gradient[k] = normal.cross(p[(k + 2) % 3] - p[(k + 1) % 3]) / twice_area;
@@ -62,10 +69,12 @@ SparseMatrix stiffness_matrix(const RegionCells& cells) {
   return matrix;
 }
 
-/// Returns D of LaplacianKind::Surface for the areas of cells.
-Eigen::VectorXd divisor_of(const Region& region, const RegionCells& cells) {
+/// Returns D of LaplacianKind::Surface for the areas of cells. The energy of other operators is a sum over vertices, so
+/// their cells have the areas that their vertices would have in an even mesh.
+Eigen::VectorXd divisor_of(const Region& region, const RegionCells& cells, LaplacianKind kind) {
   constexpr double kLeast = 1e-3;
-  const Eigen::VectorXd areas = Eigen::Map<const Eigen::VectorXd>(cells.area.data(), cells.count());
+  const std::vector<double>& sizes = kind == LaplacianKind::Surface ? cells.area : cells.vertices;
+  const Eigen::VectorXd areas = Eigen::Map<const Eigen::VectorXd>(sizes.data(), cells.count());
   if (!(areas.sum() > 0)) {
     return Eigen::VectorXd::Constant(cells.count(), kMeanDivisor);
   }
@@ -158,7 +167,7 @@ CoarseSystem::CoarseSystem(const Region& region, const Points& rest, const Regio
 void CoarseSystem::make_normal(const Region& region, const Points& rest, const RegionCells& cells,
                                const EditSettings& settings) {
   const int m = cells.count();
-  divisor_ = divisor_of(region, cells);
+  divisor_ = divisor_of(region, cells, settings.laplacian);
   operator_ = divisor_.cwiseInverse().asDiagonal() * stiffness_matrix(cells);
   SparseMatrix normal = SparseMatrix(operator_.transpose()) * operator_;
   stretch_ = membrane_factor(settings, region, rest, kMeanDivisor) * divisor_;
@@ -217,7 +226,7 @@ void CoarseSystem::make_follow(const RegionCells& cells, const Eigen::VectorXd& 
       follow_(one.cell, k) += squares[one.cell] * one.weight;
     }
   }
-  SparseMatrix matrix = divisor_.asDiagonal() * operator_;
+  SparseMatrix matrix = stiffness_matrix(cells, false);
   for (int c = 0; c < cells.count(); ++c) {
     double sum = squares[c] * squared_weights[c];
     for (SparseMatrix::InnerIterator entry(matrix, c); entry; ++entry) {

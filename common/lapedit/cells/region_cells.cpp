@@ -11,6 +11,7 @@
 
 #include "lapedit/base/simd.h"
 #include "lapedit/cells/cell_packing.h"
+#include "lapedit/cells/surface_metric.h"
 #include "lapedit/mesh/surface_index.h"
 
 namespace lapedit {
@@ -375,79 +376,17 @@ void merge_weights(std::vector<std::pair<int, double>>& list) {
   list.resize(written);
 }
 
-namespace {
-
-/// Replaces each matrix by the mean of its own and its neighbours'.
-void average(const IndexLists& neighbours, std::vector<Matrix3>& matrices) {
-  const std::vector<Matrix3> before = matrices;
-  for (int a = 0; a < neighbours.rows(); ++a) {
-    for (const int b : neighbours[a]) {
-      matrices[a] += before[b];
-    }
-  }
-}
-
-/// Computes RegionCells::metric from the shape tensor S_a = sum_b w_ab (n_a - n_b)(c_a - c_b)^T over half the trace of
-/// sum_b w_ab (c_a - c_b)(c_a - c_b)^T.
-void measure_metric(double size, RegionCells& cells) {
-  constexpr double kRib = 2.5, kFlat = 0.5;  // curvatures below kFlat / size change nothing
-  const int m = cells.count();
-  std::vector<Matrix3> normals(m, Matrix3::Zero());  // in the first column
-  for (int a = 0; a < m; ++a) {
-    normals[a].col(0) = cells.normals.row(a).transpose();
-  }
-  average(cells.neighbours, normals);
-  for (Matrix3& one : normals) {
-    const double length = one.col(0).norm();
-    one.col(0) = length > 0 ? Vector3(one.col(0) / length) : Vector3::Zero();
-  }
-  std::vector<Matrix3> shapes(m, Matrix3::Zero()), spreads = shapes;
-  for (int a = 0; a < m; ++a) {
-    for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
-      const int b = cells.neighbours.values[k];
-      const Vector3 edge = (cells.centres.row(a) - cells.centres.row(b)).transpose();
-      shapes[a] += cells.crossing[k] * (normals[a].col(0) - normals[b].col(0)) * edge.transpose();
-      spreads[a] += cells.crossing[k] * edge * edge.transpose();
-    }
-  }
-  average(cells.neighbours, shapes);
-  average(cells.neighbours, spreads);
-  cells.metric.assign(m, Matrix3::Identity());
-  for (int a = 0; a < m; ++a) {
-    const Vector3 n = normals[a].col(0);
-    const double spread = spreads[a].trace() / 2;
-    if (n.isZero(0) || !(spread > 0)) {
-      continue;
-    }
-    Eigen::Matrix<double, 3, 2> tangents;
-    tangents << n.unitOrthogonal(), n.cross(n.unitOrthogonal());
-    const Eigen::Matrix2d shape = tangents.transpose() * (shapes[a] + shapes[a].transpose()) * tangents / (2 * spread);
-    const double middle = shape.trace() / 2, half = 0.5 * (shape(0, 0) - shape(1, 1)), mixed = shape(0, 1);
-    const double radius = std::hypot(half, mixed);
-    const double large = std::abs(middle) + radius, small = std::abs(std::abs(middle) - radius);
-    const double q = (large - small) / (large + small + kFlat / size);
-    if (!(radius > 0) || !std::isfinite(q)) {
-      continue;
-    }
-    // The reflection that keeps the direction of the eigenvalue middle + radius and reverses the other one.
-    Eigen::Matrix2d along;
-    along << half, mixed, mixed, -half;
-    along *= (middle < 0 ? -1 : 1) / radius;
-    const double less = std::pow(kRib, -q / 2);
-    const Eigen::Matrix2d ribs =
-        0.5 * (less + 1 / less) * Eigen::Matrix2d::Identity() + 0.5 * (less - 1 / less) * along;
-    cells.metric[a] = n * n.transpose() + tangents * ribs * tangents.transpose();
-  }
-}
-
-}  // namespace
-
 RegionCells make_cells(const Region& region, const Points& rest, int target, ThreadPool& pool) {
+  return make_cells(region, rest, surface_weights(region, rest), target, pool);
+}
+
+RegionCells make_cells(const Region& region, const Points& rest, const EdgeWeights& weights, int target,
+                       ThreadPool& pool) {
   RegionCells cells;
   const int count = pack_cells(region, rest, target, pool, cells.of);
   cells.centres = centroids(cells.of, rest, count, cells.vertices);
   reach_borders(region, rest, cells);
-  CellSums(region, rest, surface_weights(region, rest), cells, pool).take();
+  CellSums(region, rest, weights, cells, pool).take();
   measure_metric(size_of(rest, region.faces).size, cells);
   return cells;
 }

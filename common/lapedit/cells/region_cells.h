@@ -41,10 +41,7 @@ struct RegionCells {
   double free_area = 0;  ///< the part of the area that belongs to free vertices
   Points normals;        ///< sums of those faces' area normals
 
-  /// The metric of each cell, a symmetric matrix of determinant 1: along the surface, lengths are up to 1.26 times
-  /// shorter in the direction of the largest curvature and longer across it. Curvature is that of the cells, so details
-  /// have none. It makes limbs stiff around their axis, so that they stay round when they are bent or twisted.
-  std::vector<Matrix3> metric;
+  std::vector<Matrix3> metric;  ///< of each cell, see measure_metric()
 
   int count() const { return static_cast<int>(vertices.size()); }
 };
@@ -53,6 +50,9 @@ struct RegionCells {
 /// @param target  number of cells wanted, approximately met: see pack_cells()
 /// Cost: O(edges).
 RegionCells make_cells(const Region& region, const Points& rest, int target, ThreadPool& pool);
+/// @param weights  in place of surface_weights()
+RegionCells make_cells(const Region& region, const Points& rest, const EdgeWeights& weights, int target,
+                       ThreadPool& pool);
 
 /// Weights by which vertices follow cells. Each vertex follows at most kReach cells; the weights sum to 1, reproduce
 /// linear functions along the surface (moving least squares), and fall off smoothly with the distance from a cell.

@@ -167,7 +167,8 @@ double IntrinsicTriangulation::area(int face) const {
 
 double IntrinsicTriangulation::cotangent(int side) const {
   const double opposite = length_[side], one = length_[next(side)], other = length_[next(next(side))];
-  return (one * one + other * other - opposite * opposite) / (4 * area(side / 3));
+  const double area_of_face = area(side / 3);
+  return area_of_face > 0 ? (one * one + other * other - opposite * opposite) / (4 * area_of_face) : 0;
 }
 
 /// Replaces an inner edge by the other diagonal of its two faces, unfolded into a plane.
@@ -246,7 +247,8 @@ void IntrinsicTriangulation::make_delaunay() {
 
 /// Areas are circumcentric: each face gives its corners a quarter of cot a l^2 for each side. Where the circumcentre is
 /// beyond a border, half of the face belongs to the corner opposite to that border (M. Meyer et al., Discrete
-/// differential-geometry operators, 2003).
+/// differential-geometry operators, 2003), and the border, whose cotangent is negative, has no weight: the other two
+/// sides get half the tangent of their angle with it, which has the same energy for functions that are linear along it.
 SurfaceLaplacian IntrinsicTriangulation::laplacian() const {
   const auto sides = static_cast<int>(corner_.size());
   SurfaceLaplacian result;
@@ -263,21 +265,19 @@ SurfaceLaplacian IntrinsicTriangulation::laplacian() const {
     double halves[3];
     int beyond = -1;
     for (int s = 0; s < 3; ++s) {
-      const int side = 3 * f + s, a = corner_[side], b = end(side);
-      halves[s] = 0.5 * cotangent(side);
-      entries[at[a]++] = {b, halves[s]};
-      entries[at[b]++] = {a, halves[s]};
-      beyond = halves[s] < 0 && partner_[side] < 0 ? s : beyond;
+      halves[s] = 0.5 * cotangent(3 * f + s);
+      beyond = halves[s] < 0 && partner_[3 * f + s] < 0 ? s : beyond;
     }
     for (int s = 0; s < 3; ++s) {
-      const int side = 3 * f + s;
-      if (beyond < 0) {
-        const double quarter = 0.25 * halves[s] * length_[side] * length_[side];
-        result.areas[corner_[side]] += quarter;
-        result.areas[end(side)] += quarter;
-      } else {
-        result.areas[corner_[side]] += area(f) * ((s + 1) % 3 == beyond ? 0.5 : 0.25);
-      }
+      const int side = 3 * f + s, a = corner_[side], b = end(side);
+      const double area_at_ends = beyond < 0 ? 0.25 * halves[s] * length_[side] * length_[side] : 0;
+      result.areas[a] += beyond < 0 ? area_at_ends : area(f) * ((s + 1) % 3 == beyond ? 0.5 : 0.25);
+      result.areas[b] += area_at_ends;
+      const double weight = beyond < 0    ? halves[s]
+                            : s == beyond ? 0
+                                          : 0.25 / halves[s == next(beyond) ? next(s) : next(beyond)];
+      entries[at[a]++] = {b, weight};
+      entries[at[b]++] = {a, weight};
     }
   }
   constexpr double kMost = 1e3, kNone = 1e-7;  // weights; 1e3: the cotangent of 0.03 degrees

@@ -9,6 +9,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
+#include "lapedit/cells/surface_metric.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit_step.h"
 #include "lapedit/edit/step_frame.h"
@@ -105,17 +106,24 @@ StepSolver::~StepSolver() = default;
 
 void StepSolver::make_cells() {
   if (!cells_) {
-    const Stopwatch watch;
-    cells_ = std::make_unique<CellModel>(rest_, settings_, ThreadPool(options_.solver.threads));
-    preparation_.cells_ms = watch.elapsed();
+    make_cells(options_.solver.threads);
   }
+}
+
+void StepSolver::make_cells(int threads) {
+  const Stopwatch watch;
+  cells_ = std::make_unique<CellModel>(rest_, settings_, ThreadPool(threads));
+  preparation_.cells_ms = watch.elapsed();
 }
 
 std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMesh& mesh,
                                                                const LaplacianSystem* previous) const {
-  const bool has_metric = settings_.method == EditMethod::Default && cells_;
-  const std::vector<Matrix3> metric = has_metric ? cells_->metric() : std::vector<Matrix3>();
-  auto system = prepare_system(mesh, rest_, settings_, options_.solver, previous, has_metric ? &metric : nullptr);
+  std::vector<Matrix3> metric;
+  if (settings_.method == EditMethod::Default && settings_.laplacian == LaplacianKind::Surface) {
+    ThreadPool pool(options_.solver.threads);
+    metric = surface_metric(region(), rest_->world, pool);
+  }
+  auto system = prepare_system(mesh, rest_, settings_, options_.solver, previous, metric.empty() ? nullptr : &metric);
   report_progress(0.9, "solve");
   return system;
 }
@@ -130,10 +138,18 @@ void StepSolver::take(std::shared_ptr<const LaplacianSystem> system) {
 }
 
 void StepSolver::prepare(const TriangleMesh& mesh, const LaplacianSystem* previous) {
-  if (settings_.method == EditMethod::Default) {
-    make_cells();
-  }
-  take(make_system(mesh, previous));
+  constexpr int kWorthAThread = 2000;
+  const bool has_cells = settings_.method == EditMethod::Default && !cells_;
+  const bool apart = has_cells && region().size() >= kWorthAThread && thread_count(options_.solver.threads) > 1;
+  std::shared_ptr<const LaplacianSystem> system;
+  ThreadPool(apart ? 2 : 1).each(has_cells ? 2 : 1, [&](int k) {
+    if (k == 0) {
+      system = make_system(mesh, previous);
+    } else {
+      make_cells(apart ? 1 : options_.solver.threads);
+    }
+  });
+  take(std::move(system));
 }
 
 void StepSolver::finish(Points& positions) const {

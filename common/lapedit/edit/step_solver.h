@@ -152,6 +152,7 @@ class StepSolver {
   };
   struct Frame;
 
+  void make_cells(int threads);
   void solve(const Points& right);
   void rotate_and_solve();
   void local_global();
