@@ -55,7 +55,7 @@ class Fit(FilterTest):
         bits, log = self.bits([self.copy, laplacian_edit(**self.lift), laplacian_fit(align=3)])
         distance = [max(math.dist(p, map(float_of, q)) for p, q in zip(self.points, points)) for points in (lifted, bits)]
         self.assertGreater(distance[0], 0.19)
-        self.assertLess(distance[1], 0.05)
+        self.assertLess(distance[1], 0.13)  # along the surface too
         self.assertIn('Fit to the layer "dome.ply"', log)
         fit = {"region": {"component": True}, "fit": {"to": "dome.ply", "align": "none"}}
         again, _ = self.bits([self.copy, laplacian_edit(**self.lift), replay(fit)])
@@ -116,7 +116,7 @@ class Settings(FilterTest):
                 self.assertIn(expected, log)
 
     def test_values_of_the_method_are_the_defaults(self):
-        for method, values in ((0, {"laplacian": 3, "membrane": 500}), (1, {"laplacian": 1, "membrane": 0})):
+        for method, values in ((0, {"laplacian": 4, "membrane": 500}), (1, {"laplacian": 1, "membrane": 0})):
             short, _ = self.bits([laplacian_edit(**self.lift, method=method)])
             self.assertEqual(short, self.bits([laplacian_edit(**self.lift, method=method, **values)])[0])
 

@@ -147,7 +147,7 @@ class Edits(ProgramTest):
         self.assertLess(most[1] - most[0], 20 * side * side * 24 / 1024, "kB: 20 poses of the whole mesh")
 
     def test_quality_counts_new_intersections(self):
-        side = self.write_edit({"region": {"radius": 0.5}, "handles": [{"vertices": "220", "translation": [0.9, 0.1, -0.02]}]})
+        side = self.write_edit({"region": {"radius": 0.5}, "handles": [{"vertices": "220", "translation": [1.4, 0.1, -0.3]}]})
         code, _, errors = self.run_program(self.mesh, "out.ply", side, "--quality", "--report", "report.json")
         if code == WRONG_USAGE:
             self.skipTest(errors)

@@ -34,6 +34,8 @@ void each_list(Edit& edit, const Function& function) {
   }
 }
 
+constexpr std::uint32_t kAnchors = 2;  // the second list
+
 /// The mesh of an edit while it is changed.
 class Editable {
  public:
@@ -53,6 +55,11 @@ class Editable {
       }
       bit *= 2;
     });
+    const lapedit::KeptAnchors& anchors = edit.region.anchors;
+    strengths.resize(points.size(), {0, 0});
+    for (std::size_t k = 0; k < anchors.vertices.size(); ++k) {
+      strengths[anchors.vertices[k]] = {anchors.weights[k], anchors.depths[k]};
+    }
   }
 
   /// The vertex at a fraction of an edge, made when it is asked for first.
@@ -61,6 +68,7 @@ class Editable {
     if (is_new) {
       points.emplace_back((1 - fraction) * points[a] + fraction * points[b]);
       lists.push_back(lists[a] & lists[b]);
+      strengths.emplace_back((1 - fraction) * strengths[a] + fraction * strengths[b]);
     }
     return at->second;
   }
@@ -90,7 +98,14 @@ class Editable {
       }
       bit *= 2;
     });
+    lapedit::KeptAnchors& anchors = edit_.region.anchors;
+    anchors.weights.clear();
+    anchors.depths.clear();
     for (std::size_t v = 0; v < points.size(); ++v) {
+      if (kept[v] >= 0 && (lists[v] & kAnchors) != 0) {
+        anchors.weights.push_back(strengths[v][0]);
+        anchors.depths.push_back(strengths[v][1]);
+      }
       if (kept[v] >= 0) {
         mesh.vertices.row(kept[v]) = points[v].transpose();
       }
@@ -106,7 +121,8 @@ class Editable {
 
   std::vector<Vector3> points;
   std::vector<Corners> faces;
-  std::vector<std::uint32_t> lists;  // bits: in which of the edit's lists a vertex is
+  std::vector<std::uint32_t> lists;        // bits: in which of the edit's lists a vertex is
+  std::vector<Eigen::Vector2d> strengths;  // weights and depths of kept anchors
   std::set<int> removed;
 
  private:

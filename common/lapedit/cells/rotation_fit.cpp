@@ -28,10 +28,13 @@ RotationFit::RotationFit(const RegionCells& cells)
     moved_[k].resize(cells.count(), 3);
   }
   constexpr double kLeast = 1e-3;          // of the mean area
-  constexpr double kVariance = 1.0 / 145;  // of the free area
+  constexpr double kVariance = 1.0 / 160;  // of the free area
+  constexpr double kRound = 0.3;           // of the squared radius of curvature: thin limbs turn with their joints
   constexpr double kOfCell = 0.34;         // of a cell's area: the variance that sums over cells and blends have anyway
   areas_ = areas_.cwiseMax(kLeast * areas_.mean());
-  const Eigen::VectorXd times = (kVariance * cells.free_area - kOfCell * areas_.array()).cwiseMax(0) / 4;
+  const auto curvatures = Eigen::Map<const Eigen::ArrayXd>(cells.curvature.data(), cells.count());
+  const Eigen::VectorXd times =
+      ((kRound / curvatures.square()).min(kVariance * cells.free_area) - kOfCell * areas_.array()).max(0) / 4;
   std::vector<Eigen::Triplet<double>> entries;
   for (int a = 0; a < cells.count(); ++a) {
     entries.emplace_back(a, a, areas_[a] > 0 ? areas_[a] : 1);

@@ -12,8 +12,8 @@ namespace lapedit {
 /// Fits rotations of cells to a pose of the vertices: the local step of as-rigid-as-possible deformation (O. Sorkine,
 /// M. Alexa, SGP 2007). The covariance of a cell is the sum of w_ij (x_i - x_j)(p_i - p_j)^T over its vertices i.
 /// Covariances are smoothed along the surface, so that details do not tilt, by the same length however fine the mesh
-/// is: (A + T L)^-1 A (A + T L)^-1 sum, with T chosen so that the variance along one direction is 1/145 of the area
-/// that is free to move. R is the rotation nearest to the result.
+/// is: (A + T L)^-1 A (A + T L)^-1 sum, with T chosen so that the variance along one direction is 1/160 of the area
+/// that is free to move, and at most 0.3 of the squared radius of curvature. R is the rotation nearest to the result.
 class RotationFit {
  public:
   /// @param cells  must outlive the object

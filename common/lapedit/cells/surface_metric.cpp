@@ -51,6 +51,7 @@ void measure_metric(double size, RegionCells& cells) {
   average(cells.neighbours, shapes);
   average(cells.neighbours, spreads);
   cells.metric.assign(m, Matrix3::Identity());
+  cells.curvature.assign(m, 0);
   for (int a = 0; a < m; ++a) {
     const Vector3 n = normals[a].col(0);
     if (n.isZero(0) || !(spreads[a].trace() > 0)) {
@@ -66,7 +67,11 @@ void measure_metric(double size, RegionCells& cells) {
     const double radius = std::hypot(half, mixed);
     const double large = std::abs(middle) + radius, small = std::abs(std::abs(middle) - radius);
     const double q = (large - small) / (large + small + kFlat / size);
-    if (!(radius > 0) || !std::isfinite(q)) {
+    if (!std::isfinite(q)) {
+      continue;
+    }
+    cells.curvature[a] = large;
+    if (!(radius > 0)) {
       continue;
     }
     // The reflection that keeps the direction of the eigenvalue middle + radius and reverses the other one.

@@ -258,30 +258,24 @@ EdgeWeights surface_weights(const Region& region, const Points& rest, const std:
       }
     }
   }
-  struct Entry {
-    int to;
-    double weight;
-    char uniform;
-  };
   EdgeWeights result;
-  std::vector<Entry> row;
+  std::vector<std::pair<int, double>> row;
   for (int i = 0; i < region.size(); ++i) {
     row.clear();
     for (int k = surface.neighbours.offsets[i]; k < surface.neighbours.offsets[i + 1]; ++k) {
-      row.push_back({surface.neighbours.values[k], surface.weights[k], 0});
+      row.emplace_back(surface.neighbours.values[k], surface.weights[k]);
     }
     for (int e = region.neighbours.offsets[i]; e < region.neighbours.offsets[i + 1]; ++e) {
       if (has_face[e] == 0) {
-        row.push_back({region.neighbours.values[e], kEquilateralWeight, 1});
+        row.emplace_back(region.neighbours.values[e], kEquilateralWeight);
       }
     }
-    std::stable_sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.to < b.to; });
-    row.erase(std::unique(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.to == b.to; }),
+    std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    row.erase(std::unique(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
               row.end());
-    for (const Entry& entry : row) {
-      result.neighbours.values.push_back(entry.to);
-      result.values.push_back(entry.weight);
-      result.uniform.push_back(entry.uniform);
+    for (const auto& [to, weight] : row) {
+      result.neighbours.values.push_back(to);
+      result.values.push_back(weight);
     }
     result.neighbours.offsets.push_back(static_cast<int>(result.values.size()));
   }

@@ -40,8 +40,8 @@ const char* name(LaplacianKind kind);
 struct EdgeWeights {
   IndexLists neighbours;       ///< region.neighbours; of LaplacianKind::Surface those of the intrinsic triangulation
   std::vector<double> values;  ///< one per entry of neighbours
-  std::vector<char>
-      uniform;  ///< marks entries without usable faces, which have the weight of an equilateral mesh; umbrella: empty
+  std::vector<char> uniform;   ///< marks entries without usable faces, which have the weight of an equilateral mesh;
+                               ///< umbrella and surface: empty
   Eigen::VectorXd areas = {};  ///< of LaplacianKind::Surface
 };
 

@@ -45,6 +45,12 @@ IndexLists graph_of(const OperatorRows::Rows& rows) {
   return graph;
 }
 
+bool same_pattern(const OperatorRows::Rows& a, const OperatorRows::Rows& b) {
+  return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() &&
+         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.rows(), b.outerIndexPtr()) &&
+         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
+}
+
 /// Prepares the operator, factor and kernel of a system, or reuses those of the previous one.
 class Preparation {
  public:
@@ -58,6 +64,7 @@ class Preparation {
 
  private:
   std::string reused(bool factor) const;
+  bool is_sharp() const;
   bool factor_fits() const;
   bool factorise(bool reuse);
   void refuse_the_hopeless() const;
@@ -143,11 +150,19 @@ void Preparation::weigh() {
   }
 }
 
+/// Returns whether slivers make the condition number, which grows with the squared diagonal of M, too large for a
+/// factor in single precision. Operators other than LaplacianKind::Surface have the diagonal 1.
+bool Preparation::is_sharp() const {
+  constexpr double kSharp = 10;
+  const OperatorRows::Rows& rows = s_.powers.first->rows();
+  return s_.settings.laplacian == LaplacianKind::Surface && rows.diagonal().maxCoeff() > kSharp;
+}
+
 bool Preparation::factor_fits() const {
   // A factor that had to be in double precision for another handle may be in single precision for this one.
   return operator_reused_ && previous_->options.backend == s_.options.backend &&
          previous_->matrix->squared_weights == factor_weights_ &&
-         (s_.settings.order > 1 || s_.options.backend == CholeskyBackend::Eigen ||
+         (s_.settings.order > 1 || is_sharp() || s_.options.backend == CholeskyBackend::Eigen ||
           previous_->matrix->cholesky.single_precision());
 }
 
@@ -207,7 +222,7 @@ bool Preparation::factorise(bool reuse) {
   // In single precision a solution has five digits; refining it costs less than the memory of a factor in double
   // precision.
   bool has_double = false;
-  if (s_.settings.order == 1) {
+  if (s_.settings.order == 1 && !is_sharp()) {
     make_factor(true);
     if (make_sure()) {
       return false;
@@ -259,7 +274,8 @@ void Preparation::make_factor(bool single_precision) {
   s_.matrix.reset();  // frees the old factor first, so that two never exist at once
   CholeskyOptions options = cholesky_options(single_precision);
   if (order_reused_ && previous_->settings.order == s_.settings.order &&
-      previous_->options.backend == s_.options.backend) {
+      previous_->options.backend == s_.options.backend &&
+      same_pattern(previous_->powers.m->rows(), s_.powers.m->rows())) {
     options.same_pattern = &previous_->matrix->cholesky;
   }
   factorise_for(s_.region, [&] {
