@@ -57,88 +57,75 @@ void reach_borders(const Region& region, const Points& rest, RegionCells& cells)
 
 // --- Sums over cells -------------------------------------------------------------------------------------------------
 
+/// What two neighbouring cells share.
+struct Crossing {
+  int to;
+  double flux = 0;  // through faces
+  int edges = 0;
+};
+
 /// Contributions of one chunk of the region's faces and edges to the cells.
 struct PartialSums {
   std::vector<double> area;
   double free_area = 0;
   Points normals;
   std::vector<std::array<int, 3>> triangles;
-  std::vector<std::vector<std::pair<int, double>>> crossing;  // per cell: the edges to others, and their weights
+  std::vector<std::vector<Crossing>> crossing;  // per cell
 
-  void clear(int count) {
-    area.assign(count, 0);
-    normals.setZero(count, 3);
-    crossing.assign(count, {});
-  }
-  void cross(int from, int to, double of_edge) {
+  explicit PartialSums(int count) : area(count, 0), normals(Points::Zero(count, 3)), crossing(count) {}
+
+  Crossing& between(int from, int to) {
     auto& list = crossing[from];
-    auto known = std::find_if(list.begin(), list.end(), [to](const auto& entry) { return entry.first == to; });
-    if (known == list.end()) {
-      known = list.insert(known, {to, 0});
-    }
-    known->second += of_edge;
+    auto known = std::find_if(list.begin(), list.end(), [to](const Crossing& entry) { return entry.to == to; });
+    return known != list.end() ? *known : list.emplace_back(Crossing{to});
   }
 };
 
 class CellSums {
  public:
-  CellSums(const Region& region, const Points& rest, const EdgeWeights& weights, RegionCells& cells, ThreadPool& pool)
-      : region_(region), rest_(rest), weights_(weights), cells_(cells), pool_(pool) {}
+  CellSums(const Region& region, const Points& rest, RegionCells& cells, ThreadPool& pool)
+      : region_(region), rest_(rest), cells_(cells), pool_(pool) {}
 
   void take();
 
  private:
-  void add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last) const;
-  void add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last) const;
+  void add_face(PartialSums& to, Eigen::Index face) const;
   void merge(std::vector<PartialSums>& chunks);
   void merge_neighbours(std::vector<PartialSums>& chunks);
 
   const Region& region_;
   const Points& rest_;
-  const EdgeWeights& weights_;
   RegionCells& cells_;
   ThreadPool& pool_;
 };
 
-void CellSums::add_faces(PartialSums& to, Eigen::Index first, Eigen::Index last) const {
-  for (Eigen::Index f = first; f < last; ++f) {
-    int cell[3];
-    Vector3 corner[3];
-    for (int k = 0; k < 3; ++k) {
-      cell[k] = cells_.of[region_.faces(f, k)];
-      corner[k] = rest_.row(region_.faces(f, k)).transpose();
-    }
-    const Vector3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-    const double fraction = normal.norm() / 6;
-    for (int k = 0; k < 3; ++k) {
-      to.normals.row(cell[k]) += normal.transpose();
-      to.area[cell[k]] += fraction;
-      to.free_area += region_.classes[region_.faces(f, k)] == VertexClass::Free ? fraction : 0;
-    }
-    if (cell[0] != cell[1] && cell[1] != cell[2] && cell[2] != cell[0]) {
-      std::sort(cell, cell + 3);
-      to.triangles.push_back({cell[0], cell[1], cell[2]});
+/// The border between two cells runs from the middles of a face's edges to its centroid.
+void CellSums::add_face(PartialSums& to, Eigen::Index face) const {
+  int cell[3];
+  Vector3 corner[3];
+  for (int k = 0; k < 3; ++k) {
+    cell[k] = cells_.of[region_.faces(face, k)];
+    corner[k] = rest_.row(region_.faces(face, k)).transpose();
+  }
+  const Vector3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+  const double length = normal.norm(), fraction = length / 6;
+  for (int k = 0; k < 3; ++k) {
+    to.normals.row(cell[k]) += normal.transpose();
+    to.area[cell[k]] += fraction;
+    to.free_area += region_.classes[region_.faces(face, k)] == VertexClass::Free ? fraction : 0;
+    const int here = cell[k], there = cell[(k + 1) % 3];
+    if (here != there && length > 0) {
+      const Vector3 step = (cells_.centres.row(there) - cells_.centres.row(here)).transpose();
+      const Vector3 border = (2 * corner[(k + 2) % 3] - corner[k] - corner[(k + 1) % 3]) / 6;
+      const double squared = step.squaredNorm(), through = step.dot(border.cross(normal)) / length;
+      const double flux = squared > 0 ? through / squared : 0;
+      to.between(here, there).flux += flux;
+      to.between(there, here).flux += flux;
     }
   }
-}
-
-void CellSums::add_edges(PartialSums& to, Eigen::Index first, Eigen::Index last) const {
-  for (Eigen::Index i = first; i < last; ++i) {
-    const int here = cells_.of[i];
-    for (int k = weights_.neighbours.offsets[i]; k < weights_.neighbours.offsets[i + 1]; ++k) {
-      const int j = weights_.neighbours.values[k], there = cells_.of[j];
-      if (there != here) {
-        const Vector3 step = (cells_.centres.row(there) - cells_.centres.row(here)).transpose();
-        const double squared = step.squaredNorm();
-        to.cross(here, there,
-                 weights_.values[k] * (squared > 0 ? (rest_.row(j) - rest_.row(i)).dot(step) / squared : 1));
-      }
-    }
-    for (const int j : region_.neighbours[static_cast<int>(i)]) {
-      if (cells_.of[j] != here) {
-        to.cross(here, cells_.of[j], 0);  // the edge may be flipped, but cells that meet in a face are neighbours
-      }
-    }
+  if (cell[0] != cell[1] && cell[1] != cell[2] && cell[2] != cell[0]) {
+    std::sort(cell, cell + 3);
+    to.triangles.push_back({cell[0], cell[1], cell[2]});
   }
 }
 
@@ -159,31 +146,46 @@ void CellSums::merge(std::vector<PartialSums>& chunks) {
 }
 
 void CellSums::merge_neighbours(std::vector<PartialSums>& chunks) {
-  constexpr double kLeast = 1e-3;  // so that neighbours stay connected
+  constexpr double kLeast = 1e-3;   // so that neighbours stay connected
+  constexpr double kLink = 0.0173;  // of an edge without faces, as in the operator: 0.03 cot 60 degrees
   cells_.neighbours.offsets.assign(1, 0);
-  std::vector<std::pair<int, double>> all;
+  std::vector<Crossing> all;
   for (int c = 0; c < cells_.count(); ++c) {
     all.clear();
-    for (PartialSums& chunk : chunks) {
-      all.insert(all.end(), chunk.crossing[c].begin(), chunk.crossing[c].end());
+    for (const PartialSums& chunk : chunks) {
+      for (const Crossing& one : chunk.crossing[c]) {
+        const auto known =
+            std::find_if(all.begin(), all.end(), [&](const Crossing& other) { return other.to == one.to; });
+        Crossing& sum = known != all.end() ? *known : all.emplace_back(Crossing{one.to});
+        sum.flux += one.flux;
+        sum.edges += one.edges;
+      }
     }
-    merge_weights(all);
-    for (const auto& [to, weight] : all) {
-      cells_.neighbours.values.push_back(to);
-      cells_.crossing.push_back(std::max(weight, kLeast));
+    std::sort(all.begin(), all.end(), [](const Crossing& a, const Crossing& b) { return a.to < b.to; });
+    for (const Crossing& one : all) {
+      cells_.neighbours.values.push_back(one.to);
+      cells_.crossing.push_back(std::max(one.flux != 0 ? one.flux : kLink * one.edges, kLeast));
     }
     cells_.neighbours.offsets.push_back(static_cast<int>(cells_.neighbours.values.size()));
   }
 }
 
 void CellSums::take() {
-  std::vector<PartialSums> chunks(kChunks);
+  std::vector<PartialSums> chunks(kChunks, PartialSums(cells_.count()));
   in_chunks(pool_, kChunks, region_.size(), [&](int chunk, Eigen::Index first, Eigen::Index last) {
-    chunks[chunk].clear(cells_.count());
-    add_edges(chunks[chunk], first, last);
+    for (Eigen::Index i = first; i < last; ++i) {
+      for (const int j : region_.neighbours[static_cast<int>(i)]) {
+        if (cells_.of[j] != cells_.of[i]) {
+          ++chunks[chunk].between(cells_.of[i], cells_.of[j]).edges;
+        }
+      }
+    }
   });
-  in_chunks(pool_, kChunks, region_.faces.rows(),
-            [&](int chunk, Eigen::Index first, Eigen::Index last) { add_faces(chunks[chunk], first, last); });
+  in_chunks(pool_, kChunks, region_.faces.rows(), [&](int chunk, Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index f = first; f < last; ++f) {
+      add_face(chunks[chunk], f);
+    }
+  });
   merge(chunks);
   merge_neighbours(chunks);
 }
@@ -377,16 +379,11 @@ void merge_weights(std::vector<std::pair<int, double>>& list) {
 }
 
 RegionCells make_cells(const Region& region, const Points& rest, int target, ThreadPool& pool) {
-  return make_cells(region, rest, surface_weights(region, rest), target, pool);
-}
-
-RegionCells make_cells(const Region& region, const Points& rest, const EdgeWeights& weights, int target,
-                       ThreadPool& pool) {
   RegionCells cells;
   const int count = pack_cells(region, rest, target, pool, cells.of);
   cells.centres = centroids(cells.of, rest, count, cells.vertices);
   reach_borders(region, rest, cells);
-  CellSums(region, rest, weights, cells, pool).take();
+  CellSums(region, rest, cells, pool).take();
   measure_metric(size_of(rest, region.faces).size, cells);
   return cells;
 }

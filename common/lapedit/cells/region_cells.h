@@ -51,9 +51,6 @@ struct RegionCells {
 /// @param target  number of cells wanted, approximately met: see pack_cells()
 /// Cost: O(edges).
 RegionCells make_cells(const Region& region, const Points& rest, int target, ThreadPool& pool);
-/// @param weights  in place of surface_weights()
-RegionCells make_cells(const Region& region, const Points& rest, const EdgeWeights& weights, int target,
-                       ThreadPool& pool);
 
 /// Weights by which vertices follow cells. Each vertex follows at most kReach cells; the weights sum to 1, reproduce
 /// linear functions along the surface (moving least squares), and fall off smoothly with the distance from a cell.

@@ -98,20 +98,23 @@ std::vector<Matrix3> surface_metric(const Region& region, const Points& rest, Th
   Region free = region;
   std::fill(free.classes.begin(), free.classes.end(), VertexClass::Free);
   std::fill(free.group.begin(), free.group.end(), -1);
-  std::fill(free.distance.begin(), free.distance.end(), 0);
-  free.max_distance = size_of(rest, region.faces).size;
+  const SurfaceSize surface = size_of(rest, region.faces);
+  for (int i = 0; i < free.size(); ++i) {
+    free.distance[i] = (rest.row(i) - surface.centroid.transpose()).norm();
+  }
+  free.max_distance = 1e3 * surface.size;  // so that cells have one size
   free.handle_weight.clear();
   free.anchor_depth.clear();
   const Points local = rest.rowwise() - rest.row(0);  // bits that depend on no handle, far from the origin, too
-  const EdgeWeights equal{free.neighbours, std::vector<double>(free.neighbours.values.size(), 1), {}};
-  const RegionCells cells = make_cells(free, local, equal, CellPose::wanted_cells(free.size()), pool);
+  const RegionCells cells = make_cells(free, local, CellPose::wanted_cells(free.size()), pool);
   const CellBlend blend(cells, local, pool);
   std::vector<Matrix3> result(static_cast<std::size_t>(free.size()), Matrix3::Zero());
-  for (int i = 0; i < free.size(); ++i) {
+  constexpr int kGrain = 1024;
+  for_indices(pool, free.size(), kGrain, [&](int i) {
     for (int k = 0; k < CellBlend::kReach; ++k) {
       result[i] += static_cast<double>(blend.weights(k, i)) * cells.metric[blend.cells(k, i)];
     }
-  }
+  });
   return result;
 }
 

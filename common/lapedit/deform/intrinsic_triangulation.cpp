@@ -24,7 +24,8 @@ class IntrinsicTriangulation {
  private:
   static int next(int side) { return side % 3 == 2 ? side - 2 : side + 1; }
   int end(int side) const { return corner_[next(side)]; }
-  double area(int face) const;
+  double area(int face) const { return area_[face]; }
+  void measure(int face);
   double cotangent(int side) const;  // of the opposite angle
   void glue();
   void orient();
@@ -36,6 +37,7 @@ class IntrinsicTriangulation {
   std::vector<int> corner_;     // per side: its first vertex
   std::vector<double> length_;  // per side
   std::vector<int> partner_;    // per side: the same edge in the other face, -1 on borders
+  std::vector<double> area_;    // per face
 };
 
 IntrinsicTriangulation::IntrinsicTriangulation(const Points& points, const Faces& faces,
@@ -43,7 +45,8 @@ IntrinsicTriangulation::IntrinsicTriangulation(const Points& points, const Faces
     : vertices_(static_cast<int>(points.rows())),
       corner_(3 * static_cast<std::size_t>(faces.rows())),
       length_(corner_.size()),
-      partner_(corner_.size(), -1) {
+      partner_(corner_.size(), -1),
+      area_(static_cast<std::size_t>(faces.rows())) {
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     for (int s = 0; s < 3; ++s) {
       const std::size_t side = 3 * static_cast<std::size_t>(f) + static_cast<std::size_t>(s);
@@ -56,6 +59,9 @@ IntrinsicTriangulation::IntrinsicTriangulation(const Points& points, const Faces
     }
   }
   mollify();
+  for (int face = 0; face < static_cast<int>(area_.size()); ++face) {
+    measure(face);
+  }
   glue();
   orient();
 }
@@ -151,7 +157,7 @@ void IntrinsicTriangulation::orient() {
 
 /// Heron's formula in a form that is accurate for slivers (W. Kahan, Miscalculating area and angles of a needle-like
 /// triangle, 2014).
-double IntrinsicTriangulation::area(int face) const {
+void IntrinsicTriangulation::measure(int face) {
   double a = length_[3 * face], b = length_[3 * face + 1], c = length_[3 * face + 2];
   if (a < b) {
     std::swap(a, b);
@@ -162,7 +168,7 @@ double IntrinsicTriangulation::area(int face) const {
   if (b < c) {
     std::swap(b, c);
   }
-  return 0.25 * std::sqrt(std::max((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)), 0.0));
+  area_[face] = 0.25 * std::sqrt(std::max((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)), 0.0));
 }
 
 double IntrinsicTriangulation::cotangent(int side) const {
@@ -213,6 +219,8 @@ bool IntrinsicTriangulation::flip(int side) {
   length_[3 * f + 2] = length_[3 * g + 2] = diagonal;
   partner_[3 * f + 2] = 3 * g + 2;
   partner_[3 * g + 2] = 3 * f + 2;
+  measure(f);
+  measure(g);
   return true;
 }
 
@@ -284,7 +292,7 @@ SurfaceLaplacian IntrinsicTriangulation::laplacian() const {
   result.neighbours.offsets.assign(1, 0);
   for (int i = 0; i < vertices_; ++i) {
     const auto first = entries.begin() + offsets[i], last = entries.begin() + offsets[i + 1];
-    std::stable_sort(first, last, [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::sort(first, last);
     for (auto entry = first; entry != last;) {
       const int j = entry->first;
       double weight = 0;
