@@ -113,6 +113,21 @@ TEST(SurfaceLaplacian, AreasSumToTheSurfacesAndWeightsArePositiveWithSlivers) {
   }
 }
 
+/// Where the corner opposite to a border is obtuse, the border has no weight, and the other two sides have the energy of
+/// the function x. At a right angle these are the cotangent weights.
+TEST(SurfaceLaplacian, FlatFacesAtABorderAreNotStiff) {
+  const Faces face = (Faces(1, 3) << 0, 1, 2).finished();
+  for (const double height : {0.45, 0.1, 1e-3}) {
+    const Points corners = (Points(3, 3) << 0, 0, 0, 1, 0, 0, 0.4, height, 0).finished();
+    const SurfaceLaplacian found = surface_laplacian(corners, face);
+    ASSERT_EQ(found.neighbours[0].size(), 1) << height;
+    ASSERT_EQ(found.neighbours[1].size(), 1) << height;
+    EXPECT_NEAR(0.16 * found.weights[0] + 0.36 * found.weights[1], height / 2, 1e-4 * height);
+  }
+  const Points right = (Points(3, 3) << 0, 0, 0, 1, 0, 0, 0.5, 0.4999999, 0).finished();
+  EXPECT_NEAR(surface_laplacian(right, face).weights[0], 0.5, 1e-5);
+}
+
 /// Three faces at an edge, a strip with a half turn, and all vertices at one place.
 TEST(SurfaceLaplacian, TakesSurfacesThatAreNoManifolds) {
   const Points corners = (Points(6, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0.5, 0, 0, 1, 1, 1, 1).finished();

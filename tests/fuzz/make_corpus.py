@@ -10,7 +10,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 import mesh_files as files  # noqa: E402
 
-WORDS = {"laplacian": ["umbrella", "cotangent", "mean_value"],
+WORDS = {"laplacian": ["umbrella", "cotangent", "mean_value", "surface"],
          "method": ["default", "paper", "linear"]}
 
 

@@ -9,7 +9,7 @@ import dataclasses
 import math
 import subprocess
 
-from method_pictures import Maker, parsed, step
+from method_pictures import Maker, Mesh, parsed, ply_meshes, step
 
 METHODS = ("linear", "paper", "default")
 
@@ -90,14 +90,45 @@ def show_cells(maker):
                  maker.given.height)
 
 
+def grid(columns, rows, place):
+    """Triangles of columns x rows vertices, placed by a function of two numbers from 0 to 1."""
+    points = [place(i / (columns - 1), j / (rows - 1)) for j in range(rows) for i in range(columns)]
+    corners = [columns * j + i for j in range(rows - 1) for i in range(columns - 1)]
+    return points, [face for a in corners for face in ((a, a + 1, a + columns), (a + 1, a + columns + 1, a + columns))]
+
+
+def show_surface(maker):
+    """A sheet of long cells and a tube that is half fine, with weights that depend on the triangles and with those of the surface."""
+    def tube(u, v):
+        angle = 2 * math.pi * (u % 1)
+        return (25 * v if v < 0.2 else 5 + 6.25 * (v - 0.2), math.cos(angle), math.sin(angle))
+
+    panels = []
+    for name, shape, handle, motion in (
+            ("sheet", grid(21, 81, lambda u, v: (10 * u, 6 * v - 3, 0)), (5, 0, 0), {"translation": (0, 0, 2.5)}),
+            ("tube", grid(25, 81, tube), (10, 0, 0), {"rotation": {"axis": (1, 0, 0), "degrees": 270}})):
+        path = maker.output / f"surface-{name}.ply"
+        ply_meshes.write(path, *shape)
+        mesh = Mesh(path)
+        grip = [mesh.nearest(handle)] if name == "sheet" else mesh.near((10, 0, 0), 1.3)
+        for kind in ("mean_value", "surface"):
+            result, _ = maker.edited(mesh, f"surface-{name}-{kind}", [step(grip, 3 if name == "sheet" else 9.5, laplacian=kind, **motion)])
+            panels.append((result, kind))
+    maker.render("surface", panels, (0.25, -0.6, 0.75), (0, 0, 1), 4, maker.given.height)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--cell-colours", help="the program; draws the cells alone")
+    parser.add_argument("--surface", action="store_true", help="the picture of the operator alone")
     parser.add_argument("--height", type=int, default=460)
     parser.add_argument("--columns", type=int, default=2)
     maker = Maker(parsed(parser, [edit.name for edit in EDITS]))
     if maker.given.cell_colours:
         show_cells(maker)
+        return
+    if maker.given.surface:
+        show_surface(maker)
         return
     rows = [["edit", *METHODS], ["---"] * (1 + len(METHODS))]
     for edit in EDITS:

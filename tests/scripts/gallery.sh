@@ -4,7 +4,8 @@
 #
 # usage: gallery.sh [--columns N] [--height PIXELS] [NAME...]   names of edits as in gallery.py, all by default
 #
-# The pictures of the limb in common/docs/method.md: gallery.sh --columns 4 --height 300 limb-170; gallery.sh cells --height 300
+# The pictures of the limb in common/docs/method.md: gallery.sh --columns 4 --height 300 limb-170; gallery.sh cells --height 300;
+# of the operator: gallery.sh --surface --height 300
 #
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 set -eu

@@ -163,26 +163,8 @@ def edges(path):
     drawing.write(path)
 
 
-def weights(path):
-    drawing = Drawing(2, -0.4, 130)
-    few = numpy.array([[0.3, 0.2], [2.3, 1.5], [4.0, 2.9], [9.5, 1.8], [12.3, 0.1]])
-    lengths = numpy.linalg.norm(few[[1, 3]] - few[2], axis=1)
-    for panel, weight, colour, words in ((0, numpy.ones(2), RED, "equal weights: δ points along the surface"),
-                                         (1, 1 / lengths, BLUE, "weights by shape: δ is orthogonal to it")):
-        mean = weight @ few[[1, 3]] / weight.sum()
-        drawing.line(panel, few, colour)
-        drawing.line(panel, few[[1, 3]], GREY)
-        for point in few:
-            drawing.dot(panel, point, colour, colour)
-        drawing.dot(panel, mean, BLACK, "white")
-        drawing.arrow(panel, mean, few[2] - mean)
-        drawing.caption(panel, words)
-    drawing.write(path)
-
-
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         sys.exit(__doc__)
     idea(pathlib.Path(sys.argv[1]) / "method_idea.svg")
     edges(pathlib.Path(sys.argv[1]) / "method_edges.svg")
-    weights(pathlib.Path(sys.argv[1]) / "method_weights.svg")

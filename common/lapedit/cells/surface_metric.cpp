@@ -98,14 +98,14 @@ std::vector<Matrix3> surface_metric(const Region& region, const Points& rest, Th
   Region free = region;
   std::fill(free.classes.begin(), free.classes.end(), VertexClass::Free);
   std::fill(free.group.begin(), free.group.end(), -1);
-  const SurfaceSize surface = size_of(rest, region.faces);
+  const Points local = rest.rowwise() - rest.row(0);  // the bits depend neither on handles nor on the origin
+  const SurfaceSize surface = size_of(local, region.faces);
   for (int i = 0; i < free.size(); ++i) {
-    free.distance[i] = (rest.row(i) - surface.centroid.transpose()).norm();
+    free.distance[i] = (local.row(i) - surface.centroid.transpose()).norm();
   }
   free.max_distance = 1e3 * surface.size;  // so that cells have one size
   free.handle_weight.clear();
   free.anchor_depth.clear();
-  const Points local = rest.rowwise() - rest.row(0);  // bits that depend on no handle, far from the origin, too
   const RegionCells cells = make_cells(free, local, CellPose::wanted_cells(free.size()), pool);
   const CellBlend blend(cells, local, pool);
   std::vector<Matrix3> result(static_cast<std::size_t>(free.size()), Matrix3::Zero());
