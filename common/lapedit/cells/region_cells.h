@@ -31,8 +31,8 @@ struct RegionCells {
   std::vector<int> of;    ///< cell of each vertex of the region
   Points centres;         ///< centroids at rest, cells x 3; at open borders those of the vertices on the border
   IndexLists neighbours;  ///< cells connected by an edge, ascending
-  /// Per entry of neighbours: the weight of the pair, at least 1e-3: the flux between both cells of the linear function
-  /// that grows by 1 from one centre to the other.
+  /// Per entry of neighbours: the weight of the pair, at least about 1e-3: the flux through their common border of the
+  /// linear function that grows by 1 from one centre to the other, measured with the metric.
   std::vector<double> crossing;
   std::vector<std::array<int, 3>> triangles;  ///< cells that meet in a face, ascending, each once
 

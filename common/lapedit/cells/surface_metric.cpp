@@ -12,8 +12,8 @@
 namespace lapedit {
 namespace {
 
-/// Replaces each matrix by the mean of its own and its neighbours'.
-void average(const IndexLists& neighbours, std::vector<Matrix3>& matrices) {
+/// Adds to each matrix its neighbours'.
+void add_neighbours(const IndexLists& neighbours, std::vector<Matrix3>& matrices) {
   const std::vector<Matrix3> before = matrices;
   for (int a = 0; a < neighbours.rows(); ++a) {
     for (const int b : neighbours[a]) {
@@ -22,19 +22,29 @@ void average(const IndexLists& neighbours, std::vector<Matrix3>& matrices) {
   }
 }
 
+/// Returns e^x for -1 < x <= 0 by sums and products alone, so that the bits are the same on every system.
+double exponential(double x) {
+  double sum = 1;
+  for (int k = 16; k > 0; --k) {
+    sum = 1 + sum * x / k;
+  }
+  return sum;
+}
+
 }  // namespace
 
 /// The shape tensor of a cell is the least-squares solution of n_a - n_b = S (c_a - c_b) over neighbouring cells b, for
 /// their normals n and centres c.
 void measure_metric(double size, RegionCells& cells) {
-  constexpr double kRib = 2.5, kFlat = 0.5;  // curvatures below kFlat / size change nothing
-  constexpr double kLine = 1e-2;             // of the spread, across cells in a line
+  constexpr double kHalfLogarithm = 0.45814536593707755;  // of 2.5: the ratio of squared lengths
+  constexpr double kFlat = 0.5;                           // curvatures below kFlat / size change nothing
+  constexpr double kLine = 1e-2;                          // of the spread, across cells in a line
   const int m = cells.count();
   std::vector<Matrix3> normals(m, Matrix3::Zero());  // in the first column
   for (int a = 0; a < m; ++a) {
     normals[a].col(0) = cells.normals.row(a).transpose();
   }
-  average(cells.neighbours, normals);
+  add_neighbours(cells.neighbours, normals);
   for (Matrix3& one : normals) {
     const double length = one.col(0).norm();
     one.col(0) = length > 0 ? Vector3(one.col(0) / length) : Vector3::Zero();
@@ -48,8 +58,8 @@ void measure_metric(double size, RegionCells& cells) {
       spreads[a] += cells.crossing[k] * edge * edge.transpose();
     }
   }
-  average(cells.neighbours, shapes);
-  average(cells.neighbours, spreads);
+  add_neighbours(cells.neighbours, shapes);
+  add_neighbours(cells.neighbours, spreads);
   cells.metric.assign(m, Matrix3::Identity());
   cells.curvature.assign(m, 0);
   for (int a = 0; a < m; ++a) {
@@ -64,7 +74,7 @@ void measure_metric(double size, RegionCells& cells) {
     const Eigen::Matrix2d slope = tangents.transpose() * shapes[a] * tangents * spread.inverse(),
                           shape = 0.5 * (slope + slope.transpose());
     const double middle = shape.trace() / 2, half = 0.5 * (shape(0, 0) - shape(1, 1)), mixed = shape(0, 1);
-    const double radius = std::hypot(half, mixed);
+    const double radius = std::sqrt(half * half + mixed * mixed);
     const double large = std::abs(middle) + radius, small = std::abs(std::abs(middle) - radius);
     const double q = (large - small) / (large + small + kFlat / size);
     if (!std::isfinite(q)) {
@@ -78,7 +88,7 @@ void measure_metric(double size, RegionCells& cells) {
     Eigen::Matrix2d along;
     along << half, mixed, mixed, -half;
     along *= (middle < 0 ? -1 : 1) / radius;
-    const double less = std::pow(kRib, -q / 2);
+    const double less = exponential(-kHalfLogarithm * q);
     const Eigen::Matrix2d ribs =
         0.5 * (less + 1 / less) * Eigen::Matrix2d::Identity() + 0.5 * (less - 1 / less) * along;
     cells.metric[a] = n * n.transpose() + tangents * ribs * tangents.transpose();

@@ -158,7 +158,8 @@ void IntrinsicTriangulation::orient() {
 /// Heron's formula in a form that is accurate for slivers (W. Kahan, Miscalculating area and angles of a needle-like
 /// triangle, 2014).
 void IntrinsicTriangulation::measure(int face) {
-  double a = length_[3 * face], b = length_[3 * face + 1], c = length_[3 * face + 2];
+  const int side = 3 * face;
+  double a = length_[side], b = length_[side + 1], c = length_[side + 2];
   if (a < b) {
     std::swap(a, b);
   }
@@ -200,7 +201,8 @@ bool IntrinsicTriangulation::flip(int side) {
   along[1] = (base * base + lengths[0] * lengths[0] - lengths[3] * lengths[3]) / (2 * base);
   height[0] = 2 * area(f) / base;
   height[1] = -2 * area(g) / base;
-  const double diagonal = std::hypot(along[0] - along[1], height[0] - height[1]);
+  const double diagonal =
+      std::sqrt((along[0] - along[1]) * (along[0] - along[1]) + (height[0] - height[1]) * (height[0] - height[1]));
   const int now[4] = {3 * f, 3 * f + 1, 3 * g, 3 * g + 1};
   for (int& partner : partners) {  // of a side that is glued to another one of the same two faces
     const auto at = std::find(around, around + 4, partner) - around;
