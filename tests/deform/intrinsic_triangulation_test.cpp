@@ -113,8 +113,8 @@ TEST(SurfaceLaplacian, AreasSumToTheSurfacesAndWeightsArePositiveWithSlivers) {
   }
 }
 
-/// Where the corner opposite to a border is obtuse, the border has no weight, and the other two sides have the energy of
-/// the function x. At a right angle these are the cotangent weights.
+/// Where the corner opposite to a border is obtuse, the border has no weight, and the other two sides have the energy
+/// of the function x. At a right angle these are the cotangent weights.
 TEST(SurfaceLaplacian, FlatFacesAtABorderAreNotStiff) {
   const Faces face = (Faces(1, 3) << 0, 1, 2).finished();
   for (const double height : {0.45, 0.1, 1e-3}) {

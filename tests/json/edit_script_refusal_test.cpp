@@ -183,8 +183,10 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
 
   const std::pair<const char*, const char*> settings[] = {
       {"'laplacian': 'uniform'",
-       "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", \"surface\", found the text \"uniform\"."},
-      {"'laplacian': 0", "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", \"surface\", found the number 0."},
+       "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", \"surface\", found the text "
+       "\"uniform\"."},
+      {"'laplacian': 0",
+       "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", \"surface\", found the number 0."},
       {"'method': 'smooth'", "method: expected one of \"default\", \"paper\", \"linear\", found the text \"smooth\"."},
       {"'normal_radius': 1",
        "normal_radius: has no meaning with the method default; remove it, or use the method paper."},
