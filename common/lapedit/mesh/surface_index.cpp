@@ -70,12 +70,21 @@ Eigen::VectorXd face_areas(const Points& points, const Faces& faces) {
   return areas;
 }
 
+/// By loops, since versions of Eigen sum dot products in different orders.
 SurfaceSize size_of(const Points& points, const Faces& faces) {
   const Eigen::VectorXd areas = face_areas(points, faces);
   const Points centres = centres_of(points, faces);
-  const Vector3 centroid = centres.transpose().lazyProduct(areas) / areas.sum();
-  const Eigen::VectorXd squares = (centres.rowwise() - centroid.transpose()).rowwise().squaredNorm();
-  return {centroid, std::sqrt(2 * squares.dot(areas) / areas.sum())};
+  Vector3 centroid = Vector3::Zero();
+  double sum = 0, squares = 0;
+  for (Eigen::Index f = 0; f < areas.size(); ++f) {
+    centroid += areas[f] * centres.row(f).transpose();
+    sum += areas[f];
+  }
+  centroid /= sum;
+  for (Eigen::Index f = 0; f < areas.size(); ++f) {
+    squares += areas[f] * (centres.row(f).transpose() - centroid).squaredNorm();
+  }
+  return {centroid, std::sqrt(2 * squares / sum)};
 }
 
 SurfaceIndex::SurfaceIndex(Points points, Faces faces, Points normals)
