@@ -96,7 +96,9 @@ void Preparation::make_operator(const TriangleMesh& mesh, const std::vector<Matr
     const DifferentialOperator whole = differential_operator(settings.laplacian, s_.region, mesh, membrane, metric);
     Eigen::VectorXd stretch;
     if (membrane) {
-      stretch = membrane_factor(settings, s_.region, s_.rest.local, whole.mean) * whole.divisor;
+      // The bits depend neither on handles nor on the origin.
+      const Points from_first = s_.rest.world.rowwise() - s_.rest.world.row(0);
+      stretch = membrane_factor(settings, s_.region, from_first, whole.mean) * whole.divisor;
     }
     Eigen::VectorXd links = link_strengths(s_.region, s_.rest.world, settings.order);
     checkpoint();
