@@ -94,6 +94,7 @@ TEST(SameSurface, LiftedSheetDoesNotDependOnItsTriangles) {
   landmarks.laplacian = LaplacianKind::Surface;
   for (const EditSettings& settings : {EditSettings(), landmarks}) {
     const std::vector<double> expected = lifted(sheet(60, 60), settings);
+    double most = 0;
     for (const auto& [name_of, mesh] : sheets) {
       const std::vector<double> found = lifted(mesh, settings);
       double largest = 0;
@@ -101,7 +102,9 @@ TEST(SameSurface, LiftedSheetDoesNotDependOnItsTriangles) {
         largest = std::max(largest, std::abs(found[k] - expected[k]) / 0.5);
       }
       EXPECT_LT(largest, 0.05) << name_of << ", " << name(settings.method);
+      most = std::max(most, largest);
     }
+    std::printf("%s: %.1f %% of the lift\n", name(settings.method), 100 * most);
   }
 }
 

@@ -29,6 +29,7 @@ CellModel::CellModel(std::shared_ptr<const RestPose> rest, const EditSettings& s
       pose_(*rest_->region, rest_->local, cells_, blend_, settings_),
       paths_(*rest_->region, rest_->local, rest_->origin),
       hold_(rest_->region->size(), 0),
+      fit_(cells_),
       quaternions_(cells_.count()),
       posed_(cells_.count()),
       rigid_columns_(3 * rest_->region->anchored.size()) {
@@ -75,10 +76,7 @@ void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
 
 void CellModel::fit(const LaplacianSystem& system, const Points& before, const Points& displacement,
                     std::vector<Matrix3>& rotations) {
-  if (!fit_) {
-    fit_ = std::make_unique<RotationFit>(cells_);
-  }
-  const std::vector<Matrix3>& fitted = (*fit_)(system, before, displacement);
+  const std::vector<Matrix3>& fitted = fit_(system, before, displacement);
   for (int c = 0; c < cells_.count(); ++c) {
     quaternions_[c] = Eigen::Quaterniond(fitted[c]).coeffs();
   }

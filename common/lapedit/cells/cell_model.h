@@ -78,7 +78,7 @@ class CellModel {
   GroupPaths paths_;
   std::vector<double> hold_;  // per vertex: 0 keeps its rotation, 1 replaces it by the identity
 
-  std::unique_ptr<RotationFit> fit_;          // null before the first fit()
+  RotationFit fit_;
   std::vector<Eigen::Vector4d> quaternions_;  // of the cells' last pose, x y z w, with either sign
   std::vector<PosedCell> posed_;
   std::vector<Floats4> rigid_columns_;  // three columns per component

@@ -101,6 +101,20 @@ Eigen::VectorXd widths(const Region& region, const Points& rest, const RegionCel
   return spread.cwiseQuotient(kWide * area).cwiseMin(1).unaryExpr([](double t) { return smooth_step(t); });
 }
 
+/// Adds up the weights of each number in a list, and sorts it by numbers.
+void merge_weights(std::vector<std::pair<int, double>>& list) {
+  std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::size_t written = 0;
+  for (const auto& [number, weight] : list) {
+    if (written > 0 && list[written - 1].first == number) {
+      list[written - 1].second += weight;
+    } else {
+      list[written++] = {number, weight};
+    }
+  }
+  list.resize(written);
+}
+
 }  // namespace
 
 Vector3 CoarseSystem::Held::displacement(const GroupPaths& paths) const {

@@ -5,12 +5,15 @@
 #include <cmath>
 
 #include "lapedit/base/polar_decomposition.h"
-#include "lapedit/deform/local_step.h"
 
 namespace lapedit {
 namespace {
 
 constexpr int kSmoothing = 1;
+/// Found by measuring stretch, folds and the tilt of details over some twenty edits (tests/scripts/quality.sh):
+/// averagings of covariances over neighbours, and the factor of the extrapolation.
+constexpr int kAveragings = 1;
+constexpr double kMomentum = 0.5;
 constexpr double kNormals = 0.5;
 // Prevents jumps of the pose where the surface collapses: the normal fades out, and the rotation stays near the last
 // one.
@@ -132,7 +135,7 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
   surface_.smooth(kSmoothing, smooth_after_, scratch_);
   run_kernel(Covariances{cells_, surface_, smooth_after_, before_.data(), normals_before_, averages_}, 0,
              cells_.count());
-  averages_.average(cells_.neighbours, kCellFit.averagings, alone_);
+  averages_.average(cells_.neighbours, kAveragings, alone_);
   for (int a = 0; a < cells_.count(); ++a) {
     const Matrix3 averaged = averages_[a];
     covariances_[a] = averaged.allFinite() ? averaged : Matrix3(Matrix3::Identity());
@@ -195,7 +198,7 @@ LocalGlobal::Outcome LocalGlobal::settle(const Points& constraints, double accur
     }
     outcome.left = (next_ - displacement).rowwise().norm().maxCoeff();
     // fit() reads an extrapolated pose, which saves several passes.
-    displacement = next_ + kCellFit.momentum * (next_ - result_);
+    displacement = next_ + kMomentum * (next_ - result_);
     result_.swap(next_);
     if (!(outcome.left >= accurate)) {
       break;

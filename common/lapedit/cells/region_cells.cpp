@@ -365,19 +365,6 @@ void Weigher::operator()(const Vector3& position, int cell, int* to, float* weig
 
 }  // namespace
 
-void merge_weights(std::vector<std::pair<int, double>>& list) {
-  std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::size_t written = 0;
-  for (const auto& [number, weight] : list) {
-    if (written > 0 && list[written - 1].first == number) {
-      list[written - 1].second += weight;
-    } else {
-      list[written++] = {number, weight};
-    }
-  }
-  list.resize(written);
-}
-
 RegionCells make_cells(const Region& region, const Points& rest, int target, ThreadPool& pool) {
   RegionCells cells;
   const int count = pack_cells(region, rest, target, pool, cells.of);

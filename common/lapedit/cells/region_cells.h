@@ -19,9 +19,6 @@ Floats4 floats4(const Vector& v) {
                  v.size() > 3 ? static_cast<float>(v[v.size() - 1]) : 0};
 }
 
-/// Adds up the weights of each number in a list, and sorts it by numbers.
-void merge_weights(std::vector<std::pair<int, double>>& list);
-
 /// A region divided into patches of neighbouring vertices, and the data of each patch that a coarse model needs.
 ///
 /// Cells are packed along the surface by pack_cells(), more densely near the handle, where an edit bends most. Where

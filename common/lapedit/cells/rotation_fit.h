@@ -9,6 +9,23 @@
 
 namespace lapedit {
 
+/// A pose of the vertices extrapolated from the last two, which saves more than half of the passes. Empty before the
+/// first.
+struct Extrapolation {
+  Points previous, ahead;  ///< size() x 3: displacement of the last pass, and the extrapolated one
+
+  /// @param pass  number of poses before this one
+  const Points& operator()(const Points& displacement, int pass) {
+    constexpr double kMomentum = 0.9;
+    ahead = displacement;
+    if (pass > 0) {
+      ahead += kMomentum * (displacement - previous);
+    }
+    previous = displacement;
+    return ahead;
+  }
+};
+
 /// Fits rotations of cells to a pose of the vertices: the local step of as-rigid-as-possible deformation (O. Sorkine,
 /// M. Alexa, SGP 2007). The covariance of a cell is the sum of w_ij (x_i - x_j)(p_i - p_j)^T over its vertices i.
 /// Covariances are smoothed along the surface, so that details do not tilt, by the same length however fine the mesh

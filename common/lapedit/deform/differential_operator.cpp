@@ -246,8 +246,6 @@ void weaken_links(const Region& region, EdgeWeights& weights) {
   }
 }
 
-}  // namespace
-
 EdgeWeights surface_weights(const Region& region, const Points& rest, const std::vector<Matrix3>* metric) {
   const SurfaceLaplacian surface = surface_laplacian(rest, region.faces, metric);
   std::vector<char> has_face(region.neighbours.values.size(), 0);
@@ -285,6 +283,8 @@ EdgeWeights surface_weights(const Region& region, const Points& rest, const std:
   weaken_links(region, result);
   return result;
 }
+
+}  // namespace
 
 const char* name(LaplacianKind kind) {
   constexpr const char* kNames[] = {"umbrella", "cotangent", "mean_value", "surface"};

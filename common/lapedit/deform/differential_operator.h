@@ -51,10 +51,6 @@ struct EdgeWeights {
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric = false,
                          ThreadPool* pool = nullptr, const std::vector<Matrix3>* metric = nullptr);
 
-/// Returns the weights of LaplacianKind::Surface, as edge_weights() does.
-/// @param rest  size() x 3
-EdgeWeights surface_weights(const Region& region, const Points& rest, const std::vector<Matrix3>* metric = nullptr);
-
 /// An n x n operator M over a region (paper, section 3): (M p)_j = p_j - sum_i alpha_ji p_i. Its off-diagonal entries
 /// are -alpha_ji <= 0, and rows sum to 0; the row of a vertex without neighbours is zero. M is not symmetric, but M =
 /// D^-1 L with the positive diagonal D, whose entries are the rows' sums of weights, so that the diagonal of M is 1,

@@ -179,8 +179,7 @@ void StepSolver::rotate_and_solve() {
   ++figures_.iterations;
 }
 
-/// Solves once with the rotations of the cells, then with those of the vertices' one-rings, fitted to an extrapolation
-/// of the last two solutions.
+/// Solves once with the rotations of the cells, then with those fitted to an extrapolation of the last two solutions.
 void StepSolver::local_global() {
   while (figures_.iterations < settings_.passes()) {
     report_progress(0, "rotations");

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "lapedit/cells/cell_model.h"
+#include "lapedit/cells/rotation_fit.h"
 #include "lapedit/deform/edit_constraints.h"
 #include "lapedit/deform/edit_report.h"
 #include "lapedit/deform/frame_rotations.h"
-#include "lapedit/deform/local_step.h"
 #include "lapedit/deform/rotated_coordinates.h"
 #include "lapedit/edit/mirror.h"
 
