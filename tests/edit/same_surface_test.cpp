@@ -143,9 +143,9 @@ double narrowest(int around, int rings, const std::function<double(double)>& spa
 TEST(SameSurface, BentAndTwistedTubesStayOpenHoweverTheirRingsAreSpaced) {
   const auto even = [](double t) { return t; };
   const auto half = [](double t) { return t < 0.2 ? 2.5 * t : 0.5 + (t - 0.2) / 1.6; };
-  const double kPi = std::acos(-1.0);
+  const double pi = std::acos(-1.0);
   // An arc of 170 degrees and length 8 that begins at x = 1.
-  const double angle = 170 * kPi / 180, radius = 8 / angle;
+  const double angle = 170 * pi / 180, radius = 8 / angle;
   const Affine bend =
       rigid(170, Vector3(0, 0, 1), Vector3::Zero(), Vector3(1, radius, 0)) * Affine(Eigen::Translation3d(-8, 0, 0));
   HandleTransform by_270;
