@@ -545,6 +545,7 @@ std::map<std::string, int> calls_of(EditStep step, int n, int* all = nullptr, in
   const TriangleMesh mesh = shapes::grid(n, n);
   step.region.kind = RegionSpec::Kind::Component;
   step.handles = pull({n * n / 2 + n / 2}, {0, 0, 3}).handles;
+  step.handles.push_back(pull({0}, {0, 0, 0}).handles.front());  // or else all would move alike, without a solve
   std::map<std::string, int> calls;
   int count = 0;
   apply_edit(mesh, edit_of({step}), 1, StoredScalar::Double,

@@ -337,7 +337,7 @@ TEST(StepFrame, AllocateNothingAfterTheFirst) {
   }
 }
 
-/// With the paper's method a frame shows the cells alone until there is a system, then each frame is a pose.
+/// With the paper's method a frame shows the cells alone until there is a system, and poses follow.
 TEST(StepFrame, PaperHasNoneBesideASystem) {
   const Scene s = letters();
   StepSolver solver(s.mesh, {std::make_shared<const Region>(s.region)}, EditSettings::of(EditMethod::Paper));
@@ -349,6 +349,9 @@ TEST(StepFrame, PaperHasNoneBesideASystem) {
   EXPECT_FALSE(solver.refine(frame));
   solver.prepare(s.mesh);
   EXPECT_FALSE(solver.has_frames());
+  EXPECT_TRUE(solver.refine(frame));
+  EXPECT_TRUE(solver.settled());
+  EXPECT_TRUE(same_bits(frame, solver.pose(s.maps)));
   EXPECT_FALSE(solver.refine(frame));
 }
 

@@ -112,8 +112,8 @@ TEST(Step, ReportsHowFarOffIsWhatTheMeshStores) {
   }
 }
 
-/// The next drag in a region starts from the pose that the last one left. The umbrella does not see it; of the other
-/// operators the matrix has other values in the same pattern.
+/// The next drag in a region starts from the pose that the last one left. The umbrella does not see it; the
+/// cotangent operator has other values in the same pattern, and that of the surface other edges.
 TEST(Step, NextDragInARegionReusesWhatIsTheSame) {
   struct Case {
     EditSettings settings;
@@ -124,7 +124,7 @@ TEST(Step, NextDragInARegionReusesWhatIsTheSame) {
   cotangent.laplacian = LaplacianKind::Cotangent;
   for (const Case& c :
        {Case{EditSettings::of(EditMethod::Paper), {}, "operator and factor"}, Case{cotangent, {}, "analysis"},
-        Case{{}, {}, "ordering"}, Case{{}, {0, CholeskyBackend::Eigen}, "ordering"}}) {
+        Case{{}, {}, "nothing"}, Case{{}, {0, CholeskyBackend::Eigen}, "nothing"}}) {
     Scene scene;
     scene.step.settings = c.settings;
     scene.step.region.kind = RegionSpec::Kind::Vertices;

@@ -5,7 +5,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 
 namespace lapedit::supernode::frontal_kernels_test {
 namespace {
@@ -34,25 +33,6 @@ TEST(FrontalKernel, AgreesWithADenseFactorisation) {
       EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-12 * size) << size << ", " << columns;
     }
   }
-}
-
-/// A plain loop rounds each product, as the baseline of processors does.
-TEST(FrontalKernel, HasTheBitsOfAPlainLoopWhereAskedFor) {
-  constexpr int kSize = 152;
-  const Eigen::MatrixXd random = Eigen::MatrixXd::Random(kSize, kSize);
-  Eigen::MatrixXd front = random * random.transpose() + kSize * Eigen::MatrixXd::Identity(kSize, kSize), plain = front;
-  for (int j = 0; j < kSize; ++j) {
-    for (int i = j; i < kSize; ++i) {
-      for (int p = 0; p < j; ++p) {
-        volatile const double product = plain(i, p) * plain(j, p);  // not contracted
-        plain(i, j) -= product;
-      }
-    }
-    plain.col(j).tail(kSize - j) *= 1 / std::sqrt(plain(j, j));
-  }
-  ASSERT_TRUE(same_bits_frontal_kernel()(front.data(), kSize, kSize, kSize));
-  const Eigen::MatrixXd difference = (front - plain).triangularView<Eigen::Lower>();
-  EXPECT_EQ(difference.cwiseAbs().maxCoeff(), 0);
 }
 
 TEST(FrontalKernel, StopsAtAPivotThatIsNotPositive) {

@@ -144,6 +144,11 @@ template <class Vector, class Scalar>
 LAPEDIT_INLINE void store(Scalar* to, Vector vector) {
   std::memcpy(to, &vector, sizeof vector);
 }
+/// Returns three numbers and 0. A template, since not every file that includes this has vectors of 32 bytes.
+template <class Scalar>
+LAPEDIT_INLINE typename Simd<Scalar, 4>::Vector load3(const Scalar* from) {
+  return typename Simd<Scalar, 4>::Vector{from[0], from[1], from[2], 0};
+}
 /// Returns a b + c, rounded once.
 LAPEDIT_INLINE double fused(double a, double b, double c) {
   return std::fma(a, b, c);

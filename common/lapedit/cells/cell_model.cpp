@@ -9,13 +9,7 @@
 namespace lapedit {
 namespace {
 
-using Four = Floats4;
-
-/// If the rotations of two cells differ by 180 degrees, the sum of their quaternions is short. Blending adds the
-/// quaternion of the nearest cell to a sum shorter than this.
-constexpr double kCancelled = 0.2;
-
-LAPEDIT_INLINE float sum_of(Four v) {
+LAPEDIT_INLINE double sum_of(Doubles4 v) {
   return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
@@ -27,166 +21,134 @@ CellModel::CellModel(std::shared_ptr<const RestPose> rest, const EditSettings& s
       cells_(make_cells(*rest_->region, rest_->local, CellPose::wanted_cells(rest_->region->size()), pool)),
       blend_((report_progress(0.05, "cells"), CellBlend(cells_, rest_->local, pool))),
       pose_(*rest_->region, rest_->local, cells_, blend_, settings_),
-      paths_(*rest_->region, rest_->local, rest_->origin),
       hold_(rest_->region->size(), 0),
       fit_(cells_),
-      quaternions_(cells_.count()),
-      posed_(cells_.count()),
-      rigid_columns_(3 * rest_->region->anchored.size()) {
+      posed_(new PosedCell[cells_.count()]) {
   const std::vector<double>& depths = rest_->region->anchor_depth;
   std::transform(depths.begin(), depths.end(), hold_.begin(), smooth_step);
 }
 
-void CellModel::solve(const std::vector<HandleMotion>& handles, const Affine& anchors, bool quick) {
-  paths_.set(handles, anchors);
-  solve(quick);
+void CellModel::solve(GroupPaths& paths, bool quick) {
+  pose_.solve(paths, quick);
 }
 
-void CellModel::solve(bool quick) {
-  pose_.solve(paths_, quick);
-  for (int c = 0; c < cells_.count(); ++c) {
-    quaternions_[c] = Eigen::Quaterniond(pose_.rotations()[c]).coeffs();
-  }
-}
-
-/// Computes q = sum_k w_k (q_k . q_0) q_k, blended with the identity by hold_. The result is continuous and does not
-/// depend on the signs of the quaternions.
-void CellModel::spread(std::vector<Matrix3>& rotations, ThreadPool& pool) {
-  constexpr int kGrain = 1024;
-  const auto n = static_cast<int>(hold_.size());
-  rotations.resize(n);
-  for_indices(pool, n, kGrain, [&](int i) {
-    const Eigen::Vector4d towards = quaternions_[blend_.cells(0, i)];
-    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-    for (int k = 0; k < CellBlend::kReach; ++k) {
-      const Eigen::Vector4d& one = quaternions_[blend_.cells(k, i)];
-      const auto weight = static_cast<double>(blend_.weights(k, i));
-      sum += weight * one.dot(towards) * one;
-    }
-    sum += std::max(0.0, kCancelled - sum.norm()) * towards;
-    sum.normalize();
-    const double along = hold_[i] * sum[3];
-    sum *= 1 - hold_[i];
-    sum[3] += along;
-    rotations[i] = sum.isZero(0) ? Matrix3(Matrix3::Identity())
-                                 : Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
-  });
-  paths_.rotate_hanging(rotations);
-}
-
-void CellModel::fit(const LaplacianSystem& system, const Points& before, const Points& displacement,
-                    std::vector<Matrix3>& rotations) {
-  const std::vector<Matrix3>& fitted = fit_(system, before, displacement);
-  for (int c = 0; c < cells_.count(); ++c) {
-    quaternions_[c] = Eigen::Quaterniond(fitted[c]).coeffs();
-  }
-  spread(rotations, *system.pool);
-}
-
-struct CellModel::Displacing {
+/// Computes R from q = sum_k w_k (q_k . q_0) q_k, blended with the identity by hold, and the displacement
+/// f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)), whose factor f falls to 0 at the region's rim. Both are continuous
+/// and do not depend on the signs of the quaternions.
+struct CellModel::Blend {
   const CellBlend& blend;
-  const std::vector<double>& hold;
-  const std::vector<int>& component;
+  const double* hold;
+  const int* component;
   const PosedCell* cells;
-  const Floats4* rigid;  // null: no component moves rigidly
-  Transform* transforms;
-  double* displacement;
+  const double* rest;
+  const LocalMotion* rigid;  // of each component, or null if none moves
+  Matrix3* rotations;
+  double* displacement;  // or null
 
-  /// Computes the displacement f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)) and R - I. The factor f falls to 0 at
-  /// the region's rim; R is as in spread().
   LAPEDIT_INLINE void operator()(int i) const {
+    // If the rotations of two cells differ by 180 degrees, the sum of their quaternions is short. The quaternion of the
+    // nearest cell is added to a sum shorter than this.
+    constexpr double kCancelled = 0.2;
     const int* const which = &blend.cells(0, i);
     const float* const weights = &blend.weights(0, i);
-    const Four towards = cells[which[0]].quaternion;
-    Four q = {}, moved = {}, centre = {};
+    const Doubles4 towards = cells[which[0]].quaternion;
+    Doubles4 q = {}, moved = {}, centre = {};
     for (int k = 0; k < CellBlend::kReach; ++k) {
       const PosedCell& one = cells[which[k]];
-      q += weights[k] * sum_of(one.quaternion * towards) * one.quaternion;
-      moved += weights[k] * one.moved;
-      centre += weights[k] * one.centre;
+      const auto weight = static_cast<double>(weights[k]);
+      q += weight * sum_of(one.quaternion * towards) * one.quaternion;
+      moved += weight * one.moved;
+      centre += weight * one.centre;
     }
-    q += std::max(0.0F, static_cast<float>(kCancelled) - std::sqrt(sum_of(q * q))) * towards;
+    q += std::max(0.0, kCancelled - std::sqrt(sum_of(q * q))) * towards;
     q *= 1 / std::sqrt(sum_of(q * q));
-    const auto held = static_cast<float>(hold[i]);
-    const float along = held * q[3];
-    q *= 1 - held;
+    const double along = hold[i] * q[3];
+    q *= 1 - hold[i];
     q[3] += along;
-    const float squared = sum_of(q * q);
-    q = squared > 0 ? q / std::sqrt(squared) : Four{0, 0, 0, 1};
-    const float x = q[0], y = q[1], z = q[2], w = q[3];
-    Four* const columns = transforms[i].columns;
-    columns[0] = Four{-2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0};
-    columns[1] = Four{2 * (x * y - w * z), -2 * (x * x + z * z), 2 * (y * z + w * x), 0};
-    columns[2] = Four{2 * (x * z + w * y), 2 * (y * z - w * x), -2 * (x * x + y * y), 0};
-    Four detail = transforms[i].rest - centre;
+    const double squared = sum_of(q * q);
+    q = squared > 0 ? q * (1 / std::sqrt(squared)) : Doubles4{0, 0, 0, 1};
+    const double x = q[0], y = q[1], z = q[2], w = q[3];
+    double* const r = rotations[i].data();
+    r[0] = 1 - 2 * (y * y + z * z);
+    r[1] = 2 * (x * y + w * z);
+    r[2] = 2 * (x * z - w * y);
+    r[3] = 2 * (x * y - w * z);
+    r[4] = 1 - 2 * (x * x + z * z);
+    r[5] = 2 * (y * z + w * x);
+    r[6] = 2 * (x * z + w * y);
+    r[7] = 2 * (y * z - w * x);
+    r[8] = 1 - 2 * (x * x + y * y);
+    if (displacement == nullptr) {
+      return;
+    }
+    Doubles4 detail = load3(rest + 3 * std::ptrdiff_t{i}) - centre;
     if (rigid != nullptr) {
-      const Four* const by = rigid + 3 * static_cast<std::ptrdiff_t>(component[i]);
-      detail += detail[0] * by[0] + detail[1] * by[1] + detail[2] * by[2];
+      detail += product(rigid[component[i]].linear, detail);
     }
-    moved += detail[0] * columns[0] + detail[1] * columns[1] + detail[2] * columns[2];
+    moved += product(rotations[i], detail) - detail;
     for (std::ptrdiff_t e = 0; e < 3; ++e) {
-      displacement[3 * static_cast<std::ptrdiff_t>(i) + e] = static_cast<double>((1 - held) * moved[e]);
+      displacement[3 * std::ptrdiff_t{i} + e] = (1 - hold[i]) * moved[e];
     }
+  }
+  static LAPEDIT_INLINE Doubles4 product(const Matrix3& by, Doubles4 v) {
+    return v[0] * load3(by.data()) + v[1] * load3(by.data() + 3) + v[2] * load3(by.data() + 6);
   }
 };
 
-/// Moves a handle vertex towards its target, according to its weight.
-void CellModel::displace_handle(int i, double unit, Points& displacement) const {
-  const double weight = settings_.handle_weight * rest_->region->weight(i),
-               held = weight * weight / (1 + weight * weight);
-  displacement.row(i) += held * (paths_.displacement(i).transpose() / unit - displacement.row(i));
-}
-
-void CellModel::displace_hanging(double unit, Transform* transforms, Points& displacement) const {
-  for (const int i : paths_.hanging()) {
-    if (const int g = paths_.followed(i); g >= 0) {
-      displacement.row(i) = paths_.motions()[g].displacement(rest_->local.row(i).transpose()).transpose() / unit;
-      for (int c = 0; c < 3; ++c) {
-        transforms[i].columns[c] = floats4(paths_.rotations()[g].col(c) - Vector3::Unit(c));
-      }
-    }
-  }
-}
-
-void CellModel::displace(double unit, Transform* transforms, Points& displacement, ThreadPool& pool) {
-  constexpr int kGrain = 2048;
+void CellModel::blend(const EditConstraints& constraints, std::vector<Matrix3>& rotations, Points* displacement,
+                      ThreadPool& pool) {
+  constexpr int kGrain = 1024;
   const Region& region = *rest_->region;
+  rotations.resize(region.size());
+  const Blend each = {blend_,
+                      hold_.data(),
+                      region.component.data(),
+                      posed_.get(),
+                      rest_->local.data(),
+                      constraints.moves_rigidly() ? constraints.paths().rigid_motions().data() : nullptr,
+                      rotations.data(),
+                      displacement != nullptr ? displacement->data() : nullptr};
+  in_pieces(pool, region.size(), kGrain, [&](int first, int last) { run_kernel(each, first, last); });
+  constraints.paths().rotate_hanging(rotations);
+}
+
+void CellModel::spread(const EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& displacement,
+                       ThreadPool& pool) {
+  const Region& region = *rest_->region;
+  const GroupPaths& paths = constraints.paths();
   for (int c = 0; c < cells_.count(); ++c) {
-    posed_[c] = {floats4(quaternions_[c]), floats4(pose_.displacement().row(c) / unit),
-                 floats4(cells_.centres.row(c) / unit)};
+    const Eigen::Vector4d q = Eigen::Quaterniond(pose_.rotations()[c]).coeffs();
+    posed_[c] = {load<Doubles4>(q.data()), load3(&pose_.displacement()(c, 0)), load3(&cells_.centres(c, 0))};
   }
-  const bool rigid = paths_.moves_rigidly();
-  for (std::size_t k = 0; k < rigid_columns_.size(); ++k) {
-    rigid_columns_[k] = floats4(paths_.rigid_motions()[k / 3].linear.col(static_cast<Eigen::Index>(k % 3)));
-  }
-  const Displacing displacing = {blend_,
-                                 hold_,
-                                 region.component,
-                                 posed_.data(),
-                                 rigid ? rigid_columns_.data() : nullptr,
-                                 transforms,
-                                 displacement.data()};
-  in_pieces(pool, region.size(), kGrain, [&](int first, int last) {
-    run_kernel(displacing, first, last);
-    for (int i = first; i < last; ++i) {
-      if (rigid) {
-        const LocalMotion& along = paths_.rigid_motions()[region.component[i]];
-        displacement.row(i) += along.displacement(rest_->local.row(i).transpose()).transpose() / unit;
-        Four* const columns = transforms[i].columns;
-        const Four before[3] = {columns[0], columns[1], columns[2]};
-        for (int c = 0; c < 3; ++c) {  // (I + M)(I + L) - I
-          const Four by = rigid_columns_[3 * region.component[i] + c];
-          columns[c] += by + by[0] * before[0] + by[1] * before[1] + by[2] * before[2];
-        }
-      }
-      if (region.classes[i] == VertexClass::Handle) {
-        displace_handle(i, unit, displacement);
-      }
+  displacement.resize(region.size(), 3);
+  blend(constraints, rotations, &displacement, pool);
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Handle) {
+      const double weight = settings_.handle_weight * region.weight(i), held = weight * weight / (1 + weight * weight);
+      displacement.row(i) += held * (constraints.wanted().row(i) - displacement.row(i));
     }
-  });
-  if (settings_.method == EditMethod::Default) {
-    displace_hanging(unit, transforms, displacement);
   }
+  if (settings_.method == EditMethod::Linear) {
+    std::fill(rotations.begin(), rotations.end(), Matrix3::Identity());
+    return;
+  }
+  for (const int i : paths.hanging()) {
+    if (const int g = paths.followed(i); g >= 0) {
+      const Vector3 rest = rest_->local.row(i).transpose();
+      displacement.row(i) =
+          (paths.motions()[g].displacement(rest) - constraints.rigid_motion(i).displacement(rest)).transpose();
+    }
+  }
+}
+
+void CellModel::fit(const LaplacianSystem& system, const EditConstraints& constraints, const Points& displacement,
+                    std::vector<Matrix3>& rotations) {
+  const std::vector<Matrix3>& fitted = fit_(system, constraints.start(), displacement);
+  for (int c = 0; c < cells_.count(); ++c) {
+    const Eigen::Vector4d q = Eigen::Quaterniond(fitted[c]).coeffs();
+    posed_[c].quaternion = load<Doubles4>(q.data());
+  }
+  blend(constraints, rotations, nullptr, *system.pool);
 }
 
 }  // namespace lapedit

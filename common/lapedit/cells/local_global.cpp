@@ -19,10 +19,6 @@ constexpr double kNormals = 0.5;
 // one.
 constexpr double kSureNormal = 0.5;
 
-LAPEDIT_INLINE Doubles4 three(const double* from) {
-  return Doubles4{from[0], from[1], from[2], 0};
-}
-
 }  // namespace
 
 // Sums over the edges between cells read points and matrix columns four numbers at a time and add them in a fixed
@@ -39,9 +35,9 @@ struct LocalGlobal::Covariances {
 
   LAPEDIT_INLINE void operator()(int a) const {
     Doubles4 column[3] = {}, first = {}, second = {};  // tangents, as in CellSurface::normal()
-    const Doubles4 here = three(&after(a, 0));
+    const Doubles4 here = load3(&after(a, 0));
     for (int k = cells.neighbours.offsets[a]; k < cells.neighbours.offsets[a + 1]; ++k) {
-      const Doubles4 edge = three(&after(cells.neighbours.values[k], 0)) - here;
+      const Doubles4 edge = load3(&after(cells.neighbours.values[k], 0)) - here;
       for (int c = 0; c < 3; ++c) {
         column[c] += edge * before[k][c];
       }
@@ -174,7 +170,7 @@ void LocalGlobal::rotate(const std::vector<Matrix3>& rotations, Points& rotated)
   for (int a = 0; a < cells_.count(); ++a) {
     for (int c = 0; c < 3; ++c) {
       double* const column = &rotating_.columns[12 * static_cast<std::size_t>(a) + 4 * static_cast<std::size_t>(c)];
-      store(column, three(&rotations[a](0, c)));
+      store(column, load3(&rotations[a](0, c)));
       column[c] -= 1;
     }
   }

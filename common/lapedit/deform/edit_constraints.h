@@ -3,8 +3,10 @@
 
 #include <vector>
 
+#include "lapedit/base/thread_pool.h"
 #include "lapedit/deform/group_paths.h"
-#include "lapedit/deform/laplacian_system.h"
+#include "lapedit/deform/rest_pose.h"
+#include "lapedit/mesh/geodesic_falloff.h"
 
 namespace lapedit {
 
@@ -13,41 +15,43 @@ namespace lapedit {
 /// pose. Nothing is allocated after the first set() that moves a component.
 class EditConstraints {
  public:
-  /// @param system  must outlive the object
-  explicit EditConstraints(const LaplacianSystem& system)
-      : system_(system), paths_(system.region, system.rest.local, system.rest.origin) {}
+  /// @param rest  must outlive the object
+  explicit EditConstraints(const RestPose& rest)
+      : rest_(rest), region_(*rest.region), paths_(region_, rest.local, rest.origin) {}
 
   /// @param handles  one per group, @param anchors motion of the anchors; both in absolute coordinates
   /// @throws EditError as GroupPaths::set()
   void set(const std::vector<HandleMotion>& handles, const Affine& anchors);
 
-  /// Returns the right-hand side without rotations, size() x 3: w_i^2 (c_i - q_i) for a handle vertex with the target
-  /// c_i, where q is the rigidly moved pose; 0 for all others, since anchors of q are at their targets.
-  const Points& right_hand_side() const { return right_; }
+  /// Returns c_i - q_i for a handle vertex with the target c_i, size() x 3, where q is the rigidly moved pose; 0 for
+  /// all others, since anchors of q are at their targets.
+  const Points& wanted() const { return wanted_; }
   /// Returns whether any target differs from the rigidly moved pose.
   bool any() const { return any_; }
 
   const GroupPaths& paths() const { return paths_; }
+  GroupPaths& paths() { return paths_; }  ///< to be left at their ends
   bool moves_rigidly() const { return moves_rigidly_; }
   /// Returns the pose that the solve starts from, relative to the rest pose's origin: rigidly moved if a component
   /// moves.
-  const Points& start() const { return moves_rigidly_ ? rigid_pose_ : system_.rest.local; }
+  const Points& start() const { return moves_rigidly_ ? rigid_pose_ : rest_.local; }
   /// Returns the rigid motion of the component of vertex i.
-  const LocalMotion& rigid_motion(int i) const { return paths_.rigid_motions()[system_.region.component[i]]; }
-  const Matrix3& rigid_rotation(int i) const { return paths_.rigid_rotations()[system_.region.component[i]]; }
+  const LocalMotion& rigid_motion(int i) const { return paths_.rigid_motions()[region_.component[i]]; }
+  const Matrix3& rigid_rotation(int i) const { return paths_.rigid_rotations()[region_.component[i]]; }
 
-  /// Computes displacements from start() by the system's fall-off: sum_g phi_g (group g's map - rigid motion).
+  /// Computes displacements from start() by a fall-off: sum_g phi_g (group g's map - rigid motion).
   /// @param displacement  out: size() x 3
-  void fall_off(Points& displacement) const;
+  void fall_off(const GeodesicFalloff& falloff, Points& displacement, ThreadPool& pool) const;
 
   /// Returns c_i - p_i, the displacement of a handle vertex from rest to target.
   Vector3 wanted_displacement(int i) const { return paths_.displacement(i); }
 
  private:
-  const LaplacianSystem& system_;
+  const RestPose& rest_;
+  const Region& region_;
   GroupPaths paths_;
   bool moves_rigidly_ = false, any_ = false;
-  Points rigid_pose_, right_;
+  Points rigid_pose_, wanted_;
 };
 
 }  // namespace lapedit

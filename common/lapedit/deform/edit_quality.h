@@ -6,6 +6,7 @@
 
 #include "lapedit/deform/edit_constraints.h"
 #include "lapedit/deform/edit_report.h"
+#include "lapedit/deform/laplacian_system.h"
 #include "lapedit/mesh/surface_measures.h"
 
 namespace lapedit {

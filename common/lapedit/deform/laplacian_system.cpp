@@ -82,7 +82,7 @@ class Preparation {
   bool order_reused_ = false;
 };
 
-/// Computes M (Lipman et al. 2004, section 3), M^k with its membrane, and delta = M p.
+/// Computes M (Lipman et al. 2004, section 3), and M^k with its membrane.
 void Preparation::make_operator(const TriangleMesh& mesh, const std::vector<Matrix3>* metric) {
   const EditSettings& settings = s_.settings;
   refuse_fans(s_.region, settings.order, settings.order == 1 ? kLongRow : std::numeric_limits<int>::max());
@@ -123,9 +123,6 @@ void Preparation::make_operator(const TriangleMesh& mesh, const std::vector<Matr
   }
   if (operator_reused_) {
     s_.powers = previous_->powers;
-  }
-  if (settings.method == EditMethod::Paper) {
-    s_.powers.first->apply(s_.rest.local, s_.delta, *s_.pool);
   }
 }
 
@@ -173,8 +170,8 @@ void Preparation::make_factor_and_kernel() {
   if (reuse) {
     s_.order = previous_->order;
   } else {
-    order_reused_ = previous_ && previous_->order && previous_->settings.laplacian == s_.settings.laplacian &&
-                    same_graph(previous_->region, s_.region);
+    order_reused_ =
+        previous_ && previous_->order && same_pattern(previous_->powers.first->rows(), s_.powers.first->rows());
     s_.order = order_reused_ ? previous_->order
                              : std::make_shared<const std::vector<int>>(
                                    fill_reducing_ordering(graph_of(s_.powers.first->rows()), s_.options.threads));

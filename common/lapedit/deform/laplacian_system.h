@@ -53,7 +53,6 @@ struct LaplacianSystem {
   std::shared_ptr<ThreadPool> pool;
   LaplacianPowers powers;
   std::shared_ptr<const std::vector<int>> order;  ///< elimination order; null if it was not computed
-  Points delta;                                   ///< M_1 p of the rest pose, for EditMethod::Paper only
   Eigen::VectorXd squared_weights;                ///< w_i^2 of handles and anchors, 0 for free vertices
   std::shared_ptr<const FactoredNormalMatrix> matrix;
   std::shared_ptr<const WoodburyCorrection> correction;  ///< for small handles, which are not in the factor; else null

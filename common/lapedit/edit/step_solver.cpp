@@ -12,7 +12,6 @@
 #include "lapedit/cells/surface_metric.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit_step.h"
-#include "lapedit/edit/step_frame.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -83,6 +82,13 @@ int nearest_of_several_groups(const Region& region, const Points& rest, int vert
   return last > 0 ? region.group[nearest] : -1;
 }
 
+/// Relative accuracy of a pose, and of the passes before the last one, which only rotations are fitted to.
+constexpr double kExact = 1e-11, kForRotations = 1e-7;
+
+double largest_row(const Points& points) {
+  return std::sqrt(points.rowwise().squaredNorm().maxCoeff());
+}
+
 /// Returns the spacing of coordinates of this size.
 double spacing(StoredScalar scalar, double coordinate) {
   return coordinate * (scalar == StoredScalar::Float ? static_cast<double>(std::numeric_limits<float>::epsilon())
@@ -93,10 +99,11 @@ double spacing(StoredScalar scalar, double coordinate) {
 
 StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSettings& settings,
                        const StepOptions& options)
-    : settings_(settings), options_(options) {
+    : rest_((validate(settings), std::make_shared<const RestPose>(mesh, std::move(found.region)))),
+      settings_(settings),
+      options_(options),
+      constraints_(*rest_) {
   preparation_.region_ms = found.milliseconds;
-  validate(settings);
-  rest_ = std::make_shared<const RestPose>(mesh, std::move(found.region));
   if (options.mirror) {
     symmetry_.emplace(mesh, region(), *options.mirror);
   }
@@ -131,7 +138,7 @@ std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMes
 void StepSolver::take(std::shared_ptr<const LaplacianSystem> system) {
   system_ = std::move(system);
   solver_ = std::make_unique<RefinedSolver>(system_->matrix, system_->correction, system_->pool);
-  constraints_ = std::make_unique<EditConstraints>(*system_);
+  residual_ = std::make_unique<EditResidual>(*system_);
   if (system_->kernel) {
     frame_rotations_ = std::make_unique<FrameRotations>(region(), *system_->kernel);
   }
@@ -152,7 +159,107 @@ void StepSolver::prepare(const TriangleMesh& mesh, const LaplacianSystem* previo
   take(std::move(system));
 }
 
-void StepSolver::finish(Points& positions) const {
+ThreadPool& StepSolver::pool() {
+  if (system_) {
+    return *system_->pool;
+  }
+  if (!pool_) {
+    pool_.emplace(options_.solver.threads);
+  }
+  return *pool_;
+}
+
+int StepSolver::passes() const {
+  return settings_.method == EditMethod::Default ? settings_.passes() : 1;
+}
+
+/// Poses the cells, or else starts from the rigidly moved pose.
+/// @param quick  for a frame, whose cells are posed in few passes
+void StepSolver::start(bool quick) {
+  const Stopwatch watch;
+  stage_ = Stage::None;
+  figures_ = PoseFigures();
+  if (quick || (settings_.method == EditMethod::Default && constraints_.any())) {
+    cells_->solve(constraints_.paths(), quick);
+    cells_->spread(constraints_, rotations_, displacement_, pool());
+  } else {
+    displacement_.setZero(region().size(), 3);
+    rotations_.assign(region().size(), Matrix3::Identity());
+  }
+  figures_.rotate_ms = watch.elapsed();
+}
+
+/// Adds A^-1 (b(R) - A d) to the displacement d until the next step would change less than `accuracy` of it; 1: once. A
+/// is the symmetric positive definite matrix of LaplacianSystem.
+void StepSolver::correct(double accuracy) {
+  constexpr double kStalled = 0.5, kUseless = 1e-6;
+  const Stopwatch watch;
+  double last = 0;  // none
+  int steps = 0;
+  for (bool again = true; again; ++steps) {
+    report_progress(0, "solve");
+    residual_->compute(constraints_, rotations_, displacement_, left_);
+    solver_->solve(left_, step_);
+    displacement_ += step_;
+    const double change = largest_row(step_) / largest_row(displacement_);
+    const bool stalled = last > 0 && !(change < kStalled * last);
+    if (stalled && change > kUseless) {
+      refuse_conditioning(*system_);
+    }
+    again = accuracy < 1 && change > accuracy && !stalled && !(last > 0 && change * change / last < accuracy);
+    last = change;
+  }
+  figures_.refinements = std::max(figures_.refinements, steps);
+  figures_.solve_ms += watch.elapsed();
+}
+
+/// Sets the rotations of the next pass: those of the cells, then those fitted to an extrapolation of the last two
+/// solutions; or with EditMethod::Paper those of the unrotated solution's frames (Lipman et al. 2004, section 4, steps
+/// 1 and 2).
+void StepSolver::rotate() {
+  Stopwatch watch;
+  if (settings_.method == EditMethod::Paper) {
+    if (system_->falloff.empty()) {
+      correct(kExact);
+    } else {
+      constraints_.fall_off(system_->falloff, displacement_, pool());
+    }
+    figures_.unrotated_ms = watch.lap();
+    figures_.normals_ms = frame_rotations_->estimate(constraints_.start(), displacement_, rotations_);
+  } else if (figures_.iterations > 0) {
+    rotations_before_ = rotations_;
+    cells_->fit(*system_, constraints_, ahead_(displacement_, figures_.iterations - 1), rotations_);
+  }
+  figures_.rotate_ms += watch.elapsed() - figures_.normals_ms;
+}
+
+/// Performs the next pass. The last one of a pose settles it.
+void StepSolver::advance() {
+  const Stage stage = std::exchange(stage_, Stage::None);
+  const bool last = stage == Stage::Full && (figures_.iterations + 1 >= passes() || !constraints_.any());
+  if (constraints_.any()) {
+    report_progress(0, "rotations");
+    rotate();
+    correct(stage == Stage::Quick ? 1 : last ? kExact : kForRotations);
+    figures_.iterations += settings_.method == EditMethod::Linear ? 0 : 1;
+    if (figures_.iterations > 1 || settings_.method == EditMethod::Paper) {
+      figures_.rotation_left = largest_rotation(rotations_, rotations_before_, &figures_.unsettled);
+    }
+  }
+  stage_ = last ? Stage::Settled : stage;
+}
+
+/// Computes x = p + the rigid displacement of its component + d.
+void StepSolver::collect(Points& positions) {
+  constexpr int kGrain = 2048;
+  positions.resize(region().size(), 3);
+  for_indices(pool(), region().size(), kGrain, [&](int i) {
+    Vector3 displacement = displacement_.row(i).transpose();
+    if (constraints_.moves_rigidly()) {
+      displacement += constraints_.rigid_motion(i).displacement(rest_->local.row(i).transpose());
+    }
+    positions.row(i) = rest_->world.row(i) + displacement.transpose();
+  });
   require_finite_result(positions);
   if (symmetry_) {
     symmetry_->apply(positions);
@@ -160,92 +267,54 @@ void StepSolver::finish(Points& positions) const {
   round_to(options_.scalar, positions);
 }
 
-/// Solves A d = `right` for the displacement d to the last bit of a double. A is the symmetric positive definite matrix
-/// of LaplacianSystem.
-void StepSolver::solve(const Points& right) {
-  const Refinement refined = solver_->refine_to_the_bit(right, displacement_);
-  if (std::isfinite(refined.last_change) && !refined.converged()) {
-    refuse_conditioning(*system_);
+/// Keeps the pose and its rotations.
+void StepSolver::settle() {
+  collect(positions_);
+  for (int i = 0; constraints_.moves_rigidly() && i < region().size(); ++i) {
+    rotations_[i] *= constraints_.rigid_rotation(i);
   }
-  figures_.refinements = std::max(figures_.refinements, refined.steps);
-}
-
-void StepSolver::rotate_and_solve() {
-  Stopwatch watch;
-  rotate_coordinates(*system_, *constraints_, rotations_, rotated_, right_);
-  figures_.rotate_ms += watch.lap();
-  solve(right_);
-  figures_.solve_ms += watch.lap();
-  ++figures_.iterations;
-}
-
-/// Solves once with the rotations of the cells, then with those fitted to an extrapolation of the last two solutions.
-void StepSolver::local_global() {
-  while (figures_.iterations < settings_.passes()) {
-    report_progress(0, "rotations");
-    const Stopwatch watch;
-    if (figures_.iterations == 0) {
-      cells_->spread(rotations_, *system_->pool);
-    } else {
-      rotations_before_ = rotations_;
-      cells_->fit(*system_, constraints_->start(), ahead_(displacement_, figures_.iterations - 1), rotations_);
-    }
-    figures_.rotate_ms += watch.elapsed();
-    rotate_and_solve();
-    if (figures_.iterations > 1) {
-      figures_.rotation_left = largest_rotation(rotations_, rotations_before_, &figures_.unsettled);
-    }
-  }
-}
-
-/// Performs steps 2 to 4 of Lipman et al. 2004, section 4.
-void StepSolver::paper_pass() {
-  report_progress(0, "rotations");
-  const Stopwatch watch;
-  figures_.normals_ms = frame_rotations_->estimate(constraints_->start(), displacement_, rotations_);
-  figures_.rotate_ms = watch.elapsed() - figures_.normals_ms;
-  rotate_and_solve();
-  figures_.rotation_left = largest_rotation(rotations_, {});
+  ++preparation_.poses;
 }
 
 const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const Affine& anchors) {
-  const bool has_cells = settings_.method == EditMethod::Default;
-  Stopwatch watch;
-  figures_ = PoseFigures();
-  figures_.refinements = system_->figures.refinements;
-  constraints_->set(handles, anchors);  // checks the handles
-  right_ = constraints_->right_hand_side();
-  const bool moves = constraints_->any();
-  if (!moves || has_cells) {
-    displacement_.setZero(region().size(), 3);
-  } else if (!system_->falloff.empty()) {
-    constraints_->fall_off(displacement_);
-  } else {
-    solve(constraints_->right_hand_side());
+  stage_ = Stage::None;
+  constraints_.set(handles, anchors);  // checks the handles
+  start(false);
+  stage_ = Stage::Full;
+  while (stage_ != Stage::Settled) {
+    advance();
   }
-  figures_.unrotated_ms = watch.lap();
-  rotations_.assign(region().size(), Matrix3::Identity());
-  if (moves && has_cells) {
-    report_progress(0, "rotations");
-    cells_->solve(handles, anchors, false);
-    figures_.rotate_ms = watch.lap();
-    local_global();
-  } else if (moves && settings_.method == EditMethod::Paper) {
-    paper_pass();
-  }
-  // x = p + the rigid displacement of its component + d
-  positions_.resize(region().size(), 3);
-  for (int i = 0; i < region().size(); ++i) {
-    Vector3 displacement = displacement_.row(i).transpose();
-    if (constraints_->moves_rigidly()) {
-      displacement += constraints_->rigid_motion(i).displacement(rest_->local.row(i).transpose());
-      rotations_[i] *= constraints_->rigid_rotation(i);
-    }
-    positions_.row(i) = rest_->world.row(i) + displacement.transpose();
-  }
-  finish(positions_);
-  ++preparation_.poses;
+  settle();
   return positions_;
+}
+
+void StepSolver::frame(const std::vector<HandleMotion>& handles, Points& positions) {
+  stage_ = Stage::None;
+  constraints_.set(handles, Affine::Identity());
+  start(true);
+  stage_ = Stage::Quick;
+  if (system_) {
+    advance();
+  }
+  collect(positions);
+}
+
+bool StepSolver::refine(Points& positions) {
+  if (!system_ || stage_ == Stage::None || stage_ == Stage::Settled) {
+    return false;
+  }
+  if (stage_ == Stage::Quick) {
+    start(false);
+    stage_ = Stage::Full;
+  }
+  advance();
+  if (stage_ == Stage::Settled) {
+    settle();
+    positions = positions_;
+  } else {
+    collect(positions);
+  }
+  return true;
 }
 
 EditReport StepSolver::report(bool whole) const {
@@ -283,16 +352,15 @@ EditReport StepSolver::report(bool whole) const {
   report.rotate_ms = figures_.rotate_ms;
   report.solve_ms = figures_.solve_ms;
   EditQuality& quality = report;
-  quality = edit_quality(*system_, *constraints_, positions_, rotations_);
+  quality = edit_quality(*system_, constraints_, positions_, rotations_);
   quality.detail_height = whole ? detail_height(*system_, positions_) : std::nullopt;
-  quality.normal_equation_residual = solver_->relative_residual(right_, displacement_);
   quality.rotation_left = figures_.rotation_left;
   if (figures_.unsettled >= 0) {
     quality.causes.unsettled = region().mesh_vertex[figures_.unsettled];
     quality.causes.unsettled_group = nearest_of_several_groups(region(), rest_->local, figures_.unsettled);
   }
   // Users expect a whole component to move, but expect the surface around any other region to stay.
-  quality.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_->paths());
+  quality.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_.paths());
   quality.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
   quality.causes.farthest = region().max_distance;
   constexpr double kRoundings = 4;  // rounding errors of two corners and of the fit

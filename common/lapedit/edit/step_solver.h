@@ -9,8 +9,8 @@
 #include "lapedit/cells/rotation_fit.h"
 #include "lapedit/deform/edit_constraints.h"
 #include "lapedit/deform/edit_report.h"
+#include "lapedit/deform/edit_residual.h"
 #include "lapedit/deform/frame_rotations.h"
-#include "lapedit/deform/rotated_coordinates.h"
 #include "lapedit/edit/mirror.h"
 
 // Prepares a step and computes its poses. This example pulls up vertex 42 with the surface within 0.3 of it:
@@ -69,13 +69,14 @@ struct StepOptions {
 /// displacements from the rest pose, so vertices that do not move keep their bits. The same motions give the same bits,
 /// independent of earlier poses.
 ///
-/// A frame approximates a pose in a fraction of its time. It is the pose x0 of the cells until there is a system, then
+/// A pose of EditMethod::Default starts from that of the cells. Each pass fits rotations R, at first those of the
+/// cells, and adds
 ///
-///     x = x0 + A^-1 (b(R) - A x0),
+///     d <- d + A^-1 (b(R) - A d),
 ///
-/// where the residual is computed in double precision and one solve with the existing factor follows. The error of x0
-/// is a few hundredths of the handle's displacement, so a solve with five digits is enough for a picture. Frames do not
-/// depend on earlier ones.
+/// with the existing factor, until d is accurate: to 1e-11 in the last pass. A frame of a drag does so once, from cells
+/// that are posed quickly, or is their pose alone until there is a system: an approximation in a fraction of the time.
+/// refine() replaces it, pass by pass, by the pose.
 ///
 /// Other handles, anchors or settings need a new object, which can reuse the system of an old one.
 class StepSolver {
@@ -116,7 +117,7 @@ class StepSolver {
   /// @return          size() x 3, model units, rounded to the mesh's precision; valid until the next call. Row i
   ///                  belongs to region().mesh_vertex[i]
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the object stays usable
-  /// Cost: some passes, each with a solve in full precision. Nothing is allocated after the first call.
+  /// Cost: some passes, each with a solve or, the last one, three to six. Nothing is allocated after the first call.
   const Points& pose(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity());
   /// Returns the rotations of the last pose, one per region vertex.
   const std::vector<Matrix3>& rotations() const { return rotations_; }
@@ -133,12 +134,20 @@ class StepSolver {
   /// @param positions  out: as pose() returns them
   /// After the first call memory is allocated for targets only. @throws EditError (NoHandle, NotFinite)
   void frame(const std::vector<HandleMotion>& handles, Points& positions);
-  /// Improves the last frame: first by a solve, if it has none, then with all passes over the cells, then with one more
-  /// pass over the vertices per call, up to the number that pose() makes. @return whether there was such a pass
-  /// Nothing is allocated after the first passes. @throws EditError (NotFinite)
+  /// Replaces the last frame by the next pass of its pose. Requires a system. @return whether there was one; after the
+  /// last one settled() holds
+  /// Nothing is allocated after the first passes. @throws EditError (NotFinite, Cancelled)
   bool refine(Points& positions);
+  /// Returns whether the last result is a pose, with the bits that pose() returns for its motions.
+  bool settled() const { return stage_ == Stage::Settled; }
 
  private:
+  enum class Stage {
+    None,   ///< no result, or a cancelled one
+    Quick,  ///< a frame
+    Full,   ///< some passes of a pose
+    Settled
+  };
   /// Counts and times of the last pose.
   struct PoseFigures {
     int iterations = 0, refinements = 0;
@@ -150,21 +159,16 @@ class StepSolver {
     double region_ms = 0, cells_ms = 0;
     int poses = 0;  ///< since then
   };
-  struct Frame;
 
   void make_cells(int threads);
-  void solve(const Points& right);
-  void rotate_and_solve();
-  void local_global();
-  void paper_pass();
-  void finish(Points& positions) const;
-
-  Frame& started_frame();
-  void show_cells(bool quick, Points& positions);
-  void fit_frame();
-  const Points& add_links();
-  void correct_frame(Points& positions);
-  void collect_frame(const Points* step, Points& positions);
+  int passes() const;
+  void start(bool quick);
+  void rotate();
+  void correct(double accuracy);
+  void advance();
+  void settle();
+  void collect(Points& positions);
+  ThreadPool& pool();
 
   std::shared_ptr<const RestPose> rest_;
   EditSettings settings_;
@@ -172,23 +176,23 @@ class StepSolver {
   Preparation preparation_;
   std::optional<PoseSymmetry> symmetry_;
   std::unique_ptr<CellModel> cells_;
+  EditConstraints constraints_;     // of the last frame or pose
+  std::optional<ThreadPool> pool_;  // of frames until there is a system
 
   // Of the system.
   std::shared_ptr<const LaplacianSystem> system_;
   std::unique_ptr<RefinedSolver> solver_;
-  std::unique_ptr<EditConstraints> constraints_;
+  std::unique_ptr<EditResidual> residual_;
   std::unique_ptr<FrameRotations> frame_rotations_;  // with EditMethod::Paper
 
-  // Of the last pose, size() x 3 each; no rows before the first.
+  // Of the last frame or pose.
+  Stage stage_ = Stage::None;
   PoseFigures figures_;
-  Points displacement_;  // d, from the rigidly moved pose
-  Points right_;         // right-hand side of the normal equations
-  Points positions_;
+  Points displacement_;                                // d, from the rigidly moved pose
+  Points left_, step_;                                 // the residual, and A^-1 times it
+  Points positions_;                                   // of the last pose; no rows before
   std::vector<Matrix3> rotations_, rotations_before_;  // of the last two passes
   Extrapolation ahead_;
-  RotatedCoordinates rotated_;
-
-  std::unique_ptr<Frame> frame_;  // null before the first frame
 };
 
 }  // namespace lapedit

@@ -68,7 +68,6 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
 void TemplateEnergy::factor(double length, const Eigen::VectorXd& diagonal) {
   CholeskyOptions with;
   with.order = factor_ ? factor_->order() : fill_reducing_ordering(region_.neighbours, pool_->threads());
-  with.same_bits = true;
   with.pool = pool_;
   with.same_pattern = factor_.get();
   length4_ = length * length * length * length;

@@ -12,8 +12,7 @@ constexpr int kFrontLanes = 8;  ///< the number of rows of a front is a multiple
 /// @return whether all pivots are positive
 using FrontalKernel = bool (*)(double* front, int stride, int size, int columns);
 
-/// Returns the kernel for this processor. The second one rounds each product, and so has the same bits on all of them.
+/// Returns the kernel for this processor.
 FrontalKernel best_frontal_kernel();
-FrontalKernel same_bits_frontal_kernel();
 
 }  // namespace lapedit::supernode

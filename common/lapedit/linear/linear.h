@@ -80,9 +80,6 @@ struct CholeskyOptions {
   /// Keeps the factor in single precision: half the memory and twice the speed, and solutions with a relative error of
   /// about 1e-5, to be refined. The Eigen backend uses double.
   bool single_precision = false;
-  /// Gives factor and solutions the same bits on every processor, so that a solution needs no refinement for it; a
-  /// factor takes up to twice the time. Not with the Eigen backend.
-  bool same_bits = false;
   /// Empty: the caller's thread alone.
   std::shared_ptr<ThreadPool> pool;
   /// Factor of a matrix with the same pattern, in the same order, whose analysis is reused if it has one; not kept. The
@@ -124,14 +121,6 @@ class SparseCholesky {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The outcome of a refinement.
-struct Refinement {
-  int steps = 0;           ///< number of residuals computed
-  double last_change = 0;  ///< size of the last step, over that of the solution
-
-  bool converged() const { return last_change < 1e-6; }  ///< otherwise the solution is not reliable
-};
-
 /// The matrix of the paper's normal equations (section 7) with its Cholesky factor: A0 = M^T M + W0^2, symmetric
 /// positive definite. M^T M is without the long rows of M. With a stretch, OperatorRows adds diag(stretch) M.
 /// Immutable, so any number of solvers can share it.
@@ -139,7 +128,6 @@ struct FactoredNormalMatrix {
   std::shared_ptr<const OperatorRows> m;
   std::vector<int> long_rows;       ///< of m
   Eigen::VectorXd squared_weights;  ///< the diagonal of W0^2, n
-  double norm = 0;                  ///< largest sum of absolute values in a row of A0
   SparseCholesky cholesky;          ///< each solver solves with a copy of its own
 
   /// Cost: one sparse Cholesky factorisation. @throws EditError (IllConditioned, BadParameter)
@@ -174,7 +162,6 @@ class RefinedSolver {
   /// @param correction  null: A is A0
   RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
                 std::shared_ptr<const WoodburyCorrection> correction, std::shared_ptr<ThreadPool> pool);
-  ~RefinedSolver();
 
   /// Solves A0 x = b until a step changes less than `accurate` of the solution, or to double precision. @return the
   /// number of steps; -1 if it does not converge
@@ -187,28 +174,15 @@ class RefinedSolver {
   /// Returns an upper bound of the smallest eigenvalue of A0, by a few inverse iterations. Cost: six solves.
   double smallest_eigenvalue();
 
-  /// Solves A x = b to the last bit of a double, whatever the quality of the factor. Allocates nothing after the first
-  /// call.
-  /// @throws EditError (Cancelled)
-  Refinement refine_to_the_bit(const Points& right, Points& x);
-
-  /// Returns the residual |A x - b| over (|A0| + largest w^2) |x| + |b|, in maximum norms; 0 if all are 0.
-  double relative_residual(const Points& right, const Points& x) const;
-
   SparseCholesky& cholesky() { return cholesky_; }  ///< of A0
   const FactoredNormalMatrix& matrix() const { return *matrix_; }
 
  private:
-  class System;
-
   std::shared_ptr<const FactoredNormalMatrix> matrix_;
   std::shared_ptr<const WoodburyCorrection> correction_;
   std::shared_ptr<ThreadPool> pool_;
   SparseCholesky cholesky_;
-  Eigen::VectorXd squared_weights_;  // of A
-
-  struct Scratch;
-  std::unique_ptr<Scratch> scratch_;
+  Points at_rows_, corrected_;  // scratch
 };
 
 /// Computes the correction for rows that have no weight in A0, and for long rows.

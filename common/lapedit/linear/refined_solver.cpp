@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lapedit/linear/accurate_residual.h"
+#include "lapedit/linear/linear.h"
 
 namespace lapedit {
 namespace {
@@ -21,26 +21,6 @@ void normal_product(const OperatorRows& m, const Eigen::VectorXd& squared_weight
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     out.row(i) += squared_weights[i] * x.row(i);
   }
-}
-
-/// Returns the largest sum of absolute values in a row, of a symmetric matrix, from its lower half.
-double largest_sum(const SparseMatrix& lower) {
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(lower.cols());
-  Checkpoints checkpoints;
-  for (int j = 0; j < lower.outerSize(); ++j) {
-    checkpoints();
-    for (SparseMatrix::InnerIterator it(lower, j); it; ++it) {
-      sums[j] += std::abs(it.value());
-      sums[it.row()] += it.row() != j ? std::abs(it.value()) : 0;
-    }
-  }
-  return sums.size() > 0 ? sums.maxCoeff() : 0;
-}
-
-/// Stores the norm of M^T M + W0^2, which is positive definite, and returns the matrix.
-const SparseMatrix& measured(const SparseMatrix& matrix, double& norm) {
-  norm = largest_sum(matrix);
-  return matrix;
 }
 
 /// Calls use(j, m_vj) for the entries of a row of M.
@@ -70,12 +50,7 @@ FactoredNormalMatrix::FactoredNormalMatrix(std::shared_ptr<const OperatorRows> o
     : m(std::move(op)),
       long_rows(m->long_rows()),
       squared_weights(std::move(weights)),
-      cholesky(measured(m->normal_matrix(squared_weights, *options.pool, long_rows), norm), options) {}
-
-struct RefinedSolver::Scratch {
-  Points residual, step, at_rows, corrected;
-  DoubledPoints doubled, between;
-};
+      cholesky(m->normal_matrix(squared_weights, *options.pool, long_rows), options) {}
 
 RefinedSolver::RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
                              std::shared_ptr<const WoodburyCorrection> correction, std::shared_ptr<ThreadPool> pool)
@@ -83,19 +58,11 @@ RefinedSolver::RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
       correction_(correction ? std::move(correction) : std::make_shared<const WoodburyCorrection>()),
       pool_(std::move(pool)),
       cholesky_(matrix_->cholesky, pool_),
-      squared_weights_(matrix_->squared_weights),
-      scratch_(std::make_unique<Scratch>()) {
-  scratch_->at_rows.resize(correction_->k.rows(), 3);
-  for (std::size_t c = 0; c < correction_->rows.size(); ++c) {
-    squared_weights_[correction_->rows[c]] = correction_->weights[c];
-  }
-}
-
-RefinedSolver::~RefinedSolver() = default;
+      at_rows_(correction_->k.rows(), 3) {}
 
 double RefinedSolver::smallest_eigenvalue() {
   constexpr int kIterations = 6;
-  Points vector = Points::Ones(squared_weights_.size(), 3), next;
+  Points vector = Points::Ones(matrix_->squared_weights.size(), 3), next;
   double smallest = 0;
   for (int k = 0; k < kIterations; ++k) {
     vector /= vector.norm();
@@ -142,7 +109,7 @@ int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
 /// b_h is 0 for long rows. Here y solves A0 y = b without b_h, the rows of b whose constraints the factor omits.
 void RefinedSolver::solve(Points& right, Points& x) {
   const WoodburyCorrection& add = *correction_;
-  Points &at_rows = scratch_->at_rows, &corrected = scratch_->corrected;
+  Points &at_rows = at_rows_, &corrected = corrected_;
   if (add.z.cols() == 0) {
     cholesky_.solve(right, x);
     return;
@@ -170,43 +137,6 @@ void RefinedSolver::solve(Points& right, Points& x) {
       }
     }
   });
-}
-
-class RefinedSolver::System : public RefinedSystem {
- public:
-  System(RefinedSolver& solver, const Points& right) : s_(solver), right_(right) {}
-  void residual(const DoubledPoints& x, Points& left) override {
-    normal_residual(*s_.matrix_->m, s_.squared_weights_, right_, x, s_.scratch_->between, left, *s_.pool_);
-  }
-  void subtract_product(const Points& step, Points& left) override {
-    subtract_normal_product(*s_.matrix_->m, s_.squared_weights_, step, s_.scratch_->between.high, left, *s_.pool_);
-  }
-  void solve(Points& left, Points& step) override {
-    report_progress(0, "solve");
-    s_.solve(left, step);
-  }
-
- private:
-  RefinedSolver& s_;
-  const Points& right_;
-};
-
-Refinement RefinedSolver::refine_to_the_bit(const Points& right, Points& x) {
-  Scratch& of = *scratch_;
-  of.residual = right;
-  System system(*this, right);
-  const Refinement done =
-      lapedit::refine_to_the_bit(system, cholesky_.single_precision(), of.doubled, of.residual, of.step, *pool_);
-  x = of.doubled.high;
-  return done;
-}
-
-double RefinedSolver::relative_residual(const Points& right, const Points& x) const {
-  Points between, product;
-  normal_product(*matrix_->m, squared_weights_, x, between, product, *pool_);
-  const double size =
-      (matrix_->norm + squared_weights_.maxCoeff()) * x.cwiseAbs().maxCoeff() + right.cwiseAbs().maxCoeff();
-  return size > 0 ? (product - right).cwiseAbs().maxCoeff() / size : 0;
 }
 
 std::optional<WoodburyCorrection> woodbury_correction(RefinedSolver& a0, Eigen::Index size, std::vector<int> rows,

@@ -218,7 +218,7 @@ struct SupernodalCholesky : Analysed {
   SupernodalCholesky(const SparseMatrix& matrix, const CholeskyOptions& options, const Impl* like)
       : Analysed(options.pool ? options.pool : std::make_shared<ThreadPool>(1), "supernodal LLT") {
     analyse(matrix, options.order, like);
-    solver.emplace(analysis->pattern, lower_in_order(matrix, order), *pool, options.same_bits);
+    solver.emplace(analysis->pattern, lower_in_order(matrix, order), *pool);
     if (!solver->positive_definite()) {
       refuse_matrix(matrix.rows());
     }

@@ -69,15 +69,14 @@ struct SupernodalSolver<Scalar>::Tiles {
   Buffer<Scalar> values;
   bool definite = true;
 
-  Tiles(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool, bool same_bits)
-      : tree(pattern), kernels(same_bits ? same_bits_kernels<Scalar>() : best_kernels<Scalar>()) {
+  Tiles(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool)
+      : tree(pattern), kernels(best_kernels<Scalar>()) {
     values.allocate(tree.tiles + kAhead / sizeof(Scalar));
     const auto take = [this](int s, const double* columns, int stride) {
       const TaskTree::Node& node = tree.nodes[s];
       kernels.write_tiles(columns, stride, node.columns, node.rows, values.data() + node.tiles);
     };
-    definite = multifrontal_cholesky(lower, pattern, tree, take,
-                                     same_bits ? same_bits_frontal_kernel() : best_frontal_kernel(), pool);
+    definite = multifrontal_cholesky(lower, pattern, tree, take, best_frontal_kernel(), pool);
   }
 };
 
@@ -216,8 +215,8 @@ void SupernodalSolver<Scalar>::Passes::backward_task(const Task& task, Scalar* x
 
 template <typename Scalar>
 SupernodalSolver<Scalar>::SupernodalSolver(const SupernodalPattern& pattern, const SparseMatrix& lower,
-                                           ThreadPool& pool, bool same_bits)
-    : tiles_(std::make_shared<const Tiles>(pattern, lower, pool, same_bits)),
+                                           ThreadPool& pool)
+    : tiles_(std::make_shared<const Tiles>(pattern, lower, pool)),
       passes_(std::make_unique<Passes>(*tiles_, pool.threads())) {}
 
 template <typename Scalar>

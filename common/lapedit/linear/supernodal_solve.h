@@ -16,14 +16,13 @@ namespace lapedit {
 /// The factor is copied into tiles in the order in which a solve reads them, with small triangles inverted, in double
 /// or single precision. Different threads take independent branches of the elimination tree; the order of sums, and so
 /// the bits of the result, do not depend on the number of threads. They do depend on the processor's instructions
-/// (AVX-512, AVX2, neither), unless the same bits are asked for.
+/// (AVX-512, AVX2, neither).
 template <typename Scalar>
 class SupernodalSolver {
  public:
   /// Factors a matrix. @param lower  its lower half, in the order of elimination; entries of a column in any order
   /// @param pattern  of its factor; not kept.
-  SupernodalSolver(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool,
-                   bool same_bits = false);
+  SupernodalSolver(const SupernodalPattern& pattern, const SparseMatrix& lower, ThreadPool& pool);
   bool positive_definite() const;  ///< otherwise solving is not possible
   /// Shares the immutable tiles and has scratch of its own: both can work concurrently, each with its own pool. O(1).
   SupernodalSolver(const SupernodalSolver& other, const ThreadPool& pool);

@@ -29,12 +29,9 @@ struct Kernels {
   void (*write_tiles)(const double* values, int stride, int columns, int rows, Scalar* out);
 };
 
-/// Returns the kernels for this processor. same_bits_kernels() round each product, so they have the same bits on all
-/// processors.
+/// Returns the kernels for this processor.
 template <typename Scalar>
 Kernels<Scalar> best_kernels();
-template <typename Scalar>
-Kernels<Scalar> same_bits_kernels();
 
 /// Returns the number of values of a supernode's tiles.
 std::size_t tiles_of(int columns, int rows);

@@ -151,7 +151,6 @@ struct SolverThread::Impl {
   // Posing.
   void pose_cells(int mine, bool last);
   bool pose_frame();
-  bool refine_frame();
   void solve(int mine, Answer kind);
   void publish_pose(int mine, int serial, Remaining then, const std::shared_ptr<const EditReport>& report = nullptr);
   template <class Change>
@@ -380,16 +379,6 @@ bool SolverThread::Impl::pose_frame() {
   return true;
 }
 
-/// Computes the next pass of the last frame. @return whether there was one
-bool SolverThread::Impl::refine_frame() {
-  const Stopwatch watch;
-  if (!has_frames() || !work.solver->refine(work.pose.positions)) {
-    return false;
-  }
-  work.pose.solve_ms = watch.elapsed();
-  return true;
-}
-
 void SolverThread::Impl::solve(int mine, Answer kind) {
   const Stopwatch watch;
   // A newer request ends a full pose; otherwise requests that come faster than poses would leave none.
@@ -419,27 +408,29 @@ bool SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
   return true;
 }
 
-/// Completes the last pose, one stage per call: its further passes, each published as a frame, then the full pose,
-/// then, after another pause, its report.
+/// Completes the last pose, one stage per call: its passes, the last of which is the full pose, then, after another
+/// pause, its report.
 void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   const int mine = generation;
   const bool is_frame = is_preview();
   lock.unlock();
+  const Progress keep_going = [this, mine](double, const char*) {
+    return generation == mine && newest == work.serial;  // the mouse moves again
+  };
   const std::string error = message_of([&] {
-    if (is_frame && refine_frame()) {
-      publish_pose(mine, work.serial, Remaining::Passes);
-    } else if (is_frame) {
-      solve(mine, Answer::Full);
-    } else {
-      const Progress keep_going = [this, mine](double, const char*) {
-        return generation == mine && newest == work.serial;
-      };
-      const ProgressScope scope(keep_going);
+    const ProgressScope scope(keep_going);
+    const Stopwatch watch;
+    if (!is_frame) {
       const auto report = std::make_shared<const EditReport>(work.solver->report(false));
       publish(mine, [&] {
         remaining = Remaining::Nothing;
         response.update.report = report;
       });
+    } else if (work.solver->refine(work.pose.positions)) {
+      work.pose.solve_ms = watch.elapsed();
+      publish_pose(mine, work.serial, work.solver->settled() ? Remaining::Report : Remaining::Passes);
+    } else {
+      solve(mine, Answer::Full);
     }
   });
   lock.lock();
