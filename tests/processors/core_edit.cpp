@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Makes the recorded edits with the core alone, for processors and systems without MeshLab, like hosts/write_results.sh.
+// Makes the recorded edits with the core alone, for processors and systems without MeshLab: as hosts/write_results.sh.
 //
 // usage: core_edit EDITS MESHES OUTPUT
 //   EDITS     folder with <mesh>/<name>.json
