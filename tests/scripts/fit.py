@@ -219,14 +219,6 @@ def bent_arm(points, degrees):
     return result
 
 
-def hard_heads(make, numbers):
-    """Heads of 10,000 vertices, with and without landmarks, and an arm in another pose."""
-    template, scan = make("coarse_head"), make("head")
-    for number in numbers:
-        yield from heads(template, scan, number)
-    yield from poses(make("person"))
-
-
 def heads(coarse, fine, number, name="head {}"):
     template, faces = coarse
     name = name.format(number)
@@ -364,48 +356,6 @@ def text_of(one):
     return f"{one['mean']:.2f}/{one['most']:.2f}/{one['largest']:.2f}{holes};{one['folds']};{one['seconds']:.1f} s"
 
 
-# Of a constant its name, and values to measure.
-SWEPT = (("first_length", 0.2, 0.8), ("unmatched_weight", 0.0005, 0.002), ("landmark_weight", 40, 160), ("momentum", 0.4, 0.9),
-         ("per_length", 1.25, 5), ("rounds", 5, 18), ("average", 0.075, 0.3), ("membrane", 1, 4), ("tangential", 0.1, 0.4),
-         ("times", 2.5, 10), ("most", 0.35, 0.9), ("cosine", 0.866, 0.1), ("detail", 0.015, 0.06))
-
-
-def write_numbers(path, vertices, faces):
-    with open(path, "wb") as file:
-        file.write(np.array([len(vertices), len(faces)], "<i4").tobytes() + vertices.astype("<f8").tobytes() + faces.astype("<i4").tobytes())
-
-
-def sweep(options):
-    """Changes of the errors of head 3, which did not set the constants, and of the pose, in %."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        names = [folder / name for name in ("template", "scan", "edit.json", "out")]
-        cases = [case for case in hard_heads(maker(options.make_mesh, folder), (3,)) if "clean" not in case.name]
-
-        def errors(constant=None, value=None):
-            of_cases = {}
-            for case in cases:
-                write_numbers(names[0], case.template, case.faces)
-                write_numbers(names[1], *case.scan)
-                names[2].write_text(edit_of(case, {"detail": value} if constant == "detail" else {}), encoding="ascii")
-                given = [f"{constant}={value}"] if constant and constant != "detail" else []
-                subprocess.run([options.sweep, *names, *given], check=True)
-                found = measures(case, np.fromfile(names[3]).reshape(-1, 3), 0)
-                of_cases[case.name] = [found[key] for key in ("mean", "most", "largest", "folds")]
-            return of_cases
-
-        usual = errors()
-        lines = ["|Constant|" + "|".join(usual) + "|", "|---|" + "---|" * len(usual)]
-        for constant, *values in SWEPT:
-            for value in values:
-                found = errors(constant, value)
-                cells = ["/".join(f"{100 * (a / b - 1):+.0f}" for a, b in zip(found[case][:3], usual[case][:3]))
-                         + (f"; {found[case][3]} folds" if found[case][3] else "") for case in usual]
-                lines.append(f"|{constant}: {value}|" + "|".join(cells) + "|")
-                print(lines[-1], flush=True)
-        (options.output / "sweep.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
 def picture(options):
     """Template, scan, fitted template, and its error: below 1 % of the size green, below 2 % grey, larger red."""
     with tempfile.TemporaryDirectory() as name:
@@ -431,14 +381,10 @@ def main():
         parser.add_argument("--" + name, type=pathlib.Path, required=True)
     parser.add_argument("--cases", default="", help="only cases whose names match this pattern")
     parser.add_argument("--no-peers", action="store_true")
-    parser.add_argument("--sweep", type=pathlib.Path, metavar="PROGRAM", help="halves and doubles constants with this program")
     parser.add_argument("--picture", type=pathlib.Path, metavar="FILE", help="makes the picture of the page on fits")
     options = parser.parse_args()
     if options.picture:
         picture(options)
-        return
-    if options.sweep:
-        sweep(options)
         return
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
