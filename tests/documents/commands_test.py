@@ -68,7 +68,7 @@ EXCEPTIONS = [
     (r"\./MeshLab\.AppImage .*|common/scripts/build_for\.sh squashfs-root", "official builds come from the network"),
     (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(speed|quality|fit)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
      r"(cmake --build )?build/speed.*", "measures for minutes up to hours, beside CGAL and Blender"),
-    (r"tests/scripts/(paper|gallery|window_pictures)\.(sh|py)( --rough| cells)?|"
+    (r"tests/scripts/(gallery|window_pictures)\.sh( paper| cells)?|"
      r"tests/scripts/idea\.py common/docs/pictures", "makes the documents' pictures, to be looked at"),
     (r"tests/scripts/upstream_patch\.sh --(build|extra)", "builds MeshLab's library: minutes, in a root of sid"),
     (r"tests/hosts/compare\.py --store", "replaces what the test compares with"),

@@ -11,8 +11,6 @@ import time
 
 import numpy as np
 
-FOR_AMBERG = "coarse head", "face 03"  # cases that it gets, since it takes up to a minute for each
-
 
 def read_ply(path):
     lines = path.read_text(encoding="ascii").split("end_header\n")
@@ -328,17 +326,6 @@ def fit_meshmonk(case, start):
     return np.asarray(result.aligned_features)[:, :3].astype(float) / scale, time.process_time() - begin
 
 
-def fit_amberg(case, start):
-    import trimesh
-    from trimesh.registration import nricp_amberg
-    begin = time.process_time()
-    source = trimesh.Trimesh(start, case.faces, process=False)
-    target = trimesh.Trimesh(*case.scan, process=False)
-    more = {"source_landmarks": np.array([v for v, _ in case.landmarks]),
-            "target_positions": np.array([p for _, p in case.landmarks])} if case.landmarks else {}
-    return np.asarray(nricp_amberg(source, target, **more)), time.process_time() - begin
-
-
 def measures(case, result, seconds):
     error = np.linalg.norm(result - case.truth, axis=1) / case.size * 100
     in_holes = np.zeros(len(error), bool)
@@ -401,14 +388,12 @@ def main():
             if not options.no_peers:
                 start = aligned(case, options.program, folder)
                 row["start"] = float(np.linalg.norm(start - case.truth, axis=1).mean() / case.size * 100)
-                for peer, fit in (("meshmonk", fit_meshmonk), ("amberg", fit_amberg)):
-                    if peer != "amberg" or case.name.startswith(FOR_AMBERG):
-                        row[peer] = measures(case, *fit(case, start))
+                row["meshmonk"] = measures(case, *fit_meshmonk(case, start))
             rows.append(row)
-            print(case.name, *(f"| {text_of(row.get(key))}" for key in ("ours", "meshmonk", "amberg")),
+            print(case.name, *(f"| {text_of(row.get(key))}" for key in ("ours", "meshmonk")),
                   "|", figures.get("advice") or figures.get("error", ""), flush=True)
-    header = "|Case (vertices)|Fit|MeshMonk|`nricp_amberg`|\n|---|---|---|---|\n"
-    lines = [f"|{row['case']} ({row['vertices']})|" + "|".join(text_of(row.get(key)) for key in ("ours", "meshmonk", "amberg"))
+    header = "|Case (vertices)|Fit|MeshMonk|\n|---|---|---|\n"
+    lines = [f"|{row['case']} ({row['vertices']})|" + "|".join(text_of(row.get(key)) for key in ("ours", "meshmonk"))
              + "|" for row in rows]
     (options.output / "fit.md").write_text(
         "Error per vertex in % of the size: mean / 95 % / largest; folded faces; processor time.\n\n" + header + "\n".join(lines) + "\n",
