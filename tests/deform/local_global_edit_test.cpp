@@ -20,7 +20,6 @@ namespace {
 
 using Maps = std::vector<HandleMotion>;
 using support::around;
-using support::interpolated;
 using support::rigid;
 using support::same_bits;
 using support::shift;
