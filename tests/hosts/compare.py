@@ -15,7 +15,6 @@ displacements, with random signs and weights of 0.5 to 1.5, over the root of the
 differ like a coordinate, so if 10,000 coordinates moved, an error of 2e-7 of the size is noticed at any of them.
 """
 import array
-import functools
 import hashlib
 import itertools
 import json
@@ -64,10 +63,6 @@ def numbers_of(mesh, pose, moved, vertices):
     return [total / math.sqrt(moved), *(c for v in vertices for c in pose[3 * v:3 * v + 3])]
 
 
-def difference_to_numbers(mesh, numbers, moved, vertices, pose):
-    return largest_difference(numbers_of(mesh, pose, moved, vertices), numbers)
-
-
 def edits_of(folder):
     """By edit: the files of its poses, the first of which is the mesh that was read."""
     edits = {}
@@ -82,6 +77,8 @@ class Unlike(Exception):
 
 def read(files):
     """@return mesh and poses, which can be compared with others"""
+    if not files:
+        raise Unlike("is missing")
     mesh, *poses = map(coordinates, files)
     if any(len(pose) != len(mesh) for pose in poses):
         raise Unlike("has poses with another number of vertices than the mesh")
@@ -92,86 +89,53 @@ def read(files):
     return mesh, poses
 
 
-class Comparison:
-    def __init__(self):
-        self.failures = []
-        self.largest = {}  # by tolerance: difference over the size, and where
-
-    def compare(self, name, folder, mesh, poses, expected_mesh, differences):
-        """@param expected_mesh  digest
-        @param differences       by pose: returns its difference to the expected one"""
-        if digest(mesh) != expected_mesh:
-            raise Unlike("begins with a mesh of other coordinates")
-        if len(poses) != len(differences):
-            raise Unlike(f"has {len(poses)} poses in place of {len(differences)}")
-        difference = max(of(pose) for of, pose in zip(differences, poses)) / size_of(mesh)
-        allowed = tolerance(name)
-        self.largest[allowed] = max(self.largest.get(allowed, (0, "")), (difference, f"{folder}: {name}"))
-        if difference > allowed:
-            raise Unlike(f"has coordinates that differ by {difference:.2g} of the size, where {allowed:g} are allowed")
-
-    def end(self, what):
-        """Prints the result. @return whether all is the same"""
-        print(f"{what} compared.")
-        for allowed, (difference, where) in sorted(self.largest.items()):
-            print(f"Largest difference over the size: {difference:.2g}, allowed {allowed:g} ({where})")
-        if self.failures:
-            print("\nNot the same:", *self.failures, sep="\n  ")
-        return not self.failures
+def stored_form(mesh, poses):
+    moved = [k for k, (here, there) in enumerate(zip(mesh, poses[-1])) if here != there]
+    chosen = {"moved": len(moved), "vertices": [moved[len(moved) * part // 6] // 3 for part in (1, 3, 5)]}
+    return {"mesh": digest(mesh), **chosen, "poses": [numbers_of(mesh, pose, **chosen) for pose in poses]}
 
 
-def compare(folders):
-    comparison = Comparison()
+def difference(mesh, poses, expected):
+    """@param expected  in its stored form, or with all coordinates in place of numbers. @return over the size"""
+    if digest(mesh) != expected["mesh"]:
+        raise Unlike("begins with a mesh of other coordinates")
+    if len(poses) != len(expected["poses"]):
+        raise Unlike(f"has {len(poses)} poses in place of {len(expected['poses'])}")
+    if "moved" in expected:
+        poses = [numbers_of(mesh, pose, expected["moved"], expected["vertices"]) for pose in poses]
+    return max(map(largest_difference, poses, expected["poses"])) / size_of(mesh)
+
+
+def compare(folders, stored=None):
+    """Prints what is not the same. @param stored  by edit; None: the first folder is compared with the others
+    @return whether all is the same"""
+    failures, largest = [], {}  # the latter by tolerance: difference, and where
     edits = [edits_of(folder) for folder in folders]
     names = sorted(set().union(*edits))
     for name in names:
-        expected = None
+        expected = (stored or {}).get(name)
         for folder, files in zip(folders, edits):
             try:
-                if name not in files:
-                    raise Unlike("is missing")
-                mesh, poses = read(files[name])
+                mesh, poses = read(files.get(name))
                 if expected:
-                    comparison.compare(name, folder, mesh, poses, *expected)
+                    allowed, found = tolerance(name), difference(mesh, poses, expected)
+                    largest[allowed] = max(largest.get(allowed, (0, "")), (found, f"{folder}: {name}"))
+                    if found > allowed:
+                        raise Unlike(f"has coordinates that differ by {found:.2g} of the size, where {allowed:g} are allowed")
+                elif stored is None:
+                    expected = {"mesh": digest(mesh), "poses": poses}
                 else:
-                    expected = digest(mesh), [functools.partial(largest_difference, pose) for pose in poses]
+                    raise Unlike(f"is not in {STORED.name}, which --store writes")
             except Unlike as problem:
-                comparison.failures.append(f"{folder}: {name} {problem}.")
+                failures.append(f"{folder}: {name} {problem}.")
     if not names:
-        comparison.failures.append("There are no edits.")
-    return comparison.end(f"{len(names)} edits of {len(folders)} folders")
-
-
-def store(folder):
-    lines = []
-    for name, files in edits_of(folder).items():
-        mesh, poses = read(files)
-        moved = [k for k, (here, there) in enumerate(zip(mesh, poses[-1])) if here != there]
-        vertices = [moved[len(moved) * part // 6] // 3 for part in (1, 3, 5)]
-        numbers = [numbers_of(mesh, pose, len(moved), vertices) for pose in poses]
-        stored = {"mesh": digest(mesh), "moved": len(moved), "vertices": vertices, "poses": numbers}
-        lines.append(f"{json.dumps(name)}: {json.dumps(stored)}")
-    STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
-
-
-def compare_with_stored(folder):
-    """Edits whose mesh this machine lacks are not compared."""
-    comparison = Comparison()
-    stored = json.loads(STORED.read_text(encoding="utf-8"))
-    edits = edits_of(folder)
-    for name, files in edits.items():
-        try:
-            if name not in stored:
-                raise Unlike(f"is not in {STORED.name}, which --store writes")
-            mesh, poses = read(files)
-            edit = stored[name]
-            comparison.compare(name, folder, mesh, poses, edit["mesh"], [
-                functools.partial(difference_to_numbers, mesh, numbers, edit["moved"], edit["vertices"]) for numbers in edit["poses"]])
-        except Unlike as problem:
-            comparison.failures.append(f"{folder}: {name} {problem}.")
-    if not edits:
-        comparison.failures.append(f"{folder} has no edits.")
-    return comparison.end(f"{len(edits)} of {len(stored)} stored edits")
+        failures.append("There are no edits.")
+    print(f"{len(names)} edits of {len(folders)} folders compared" + (f" with {len(stored)} stored ones." if stored else "."))
+    for allowed, (found, where) in sorted(largest.items()):
+        print(f"Largest difference over the size: {found:.2g}, allowed {allowed:g} ({where})")
+    if failures:
+        print("\nNot the same:", *failures, sep="\n  ")
+    return not failures
 
 
 def main():
@@ -180,8 +144,9 @@ def main():
         sys.exit("\n".join(__doc__.splitlines()[2:5]))
     folders = [pathlib.Path(argument) for argument in arguments if not argument.startswith("--")]
     if arguments[0] == "--store":
-        store(*folders)
-    elif not (compare_with_stored(*folders) if arguments[0] == "--stored" else compare(folders)):
+        lines = [f"{json.dumps(name)}: {json.dumps(stored_form(*read(files)))}" for name, files in edits_of(folders[0]).items()]
+        STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    elif not compare(folders, json.loads(STORED.read_text(encoding="utf-8")) if arguments[0] == "--stored" else None):
         sys.exit(1)
 
 
