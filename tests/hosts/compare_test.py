@@ -2,6 +2,7 @@
 """The comparison of builds reports each difference above the tolerance, and prints the largest one."""
 import contextlib
 import io
+import json
 import math
 import pathlib
 import tempfile
@@ -92,9 +93,11 @@ class CompareTest(unittest.TestCase):
         for count in (5, 20000):
             after = lifted(points, count)
             one = self.build(after, before=points)
-            for vertex in (0, 19999):
+            self.run_main("--store", one)
+            sample = json.loads(compare.STORED.read_text())[EDIT]["vertices"][1]
+            for vertex, by in ((0, 300e-9), (19999, 300e-9), (sample, 2e-9)):
                 with self.subTest(count=count, vertex=vertex):
-                    other = moved(after, vertex, 300e-9 * math.hypot(199, 99))
+                    other = moved(after, vertex, by * math.hypot(199, 99))
                     self.assert_unlike(OTHER_COORDINATES, one, self.build(other, before=points))
 
     def test_numbers_that_are_not_finite(self):
