@@ -178,7 +178,7 @@ class Job {
   /// Returns the fraction of the pose that is written next.
   double fraction() const { return options_.fractions[poses_]; }
 
-  void measure(EditResult& pose) const {
+  void measure([[maybe_unused]] EditResult& pose) const {
     if (options_.quality) {
 #ifdef LAPEDIT_WITH_VCGLIB
       count_self_intersections(file_.mesh, pose);

@@ -59,14 +59,14 @@ class Fit(ProgramTest):
         self.done("-q", self.mesh, self.out, self.edit)
         self.assertEqual(self.out.read_bytes(), whole)
 
-    def test_older_processors_get_the_same_bits(self):
+    def test_older_processors_get_the_same_coordinates(self):
         self.fitted()
-        whole = self.out.read_bytes()
+        expected = self.result()
         for instructions in ("plain", "avx2"):
             os.environ["LAPEDIT_INSTRUCTIONS"] = instructions
             self.addCleanup(os.environ.pop, "LAPEDIT_INSTRUCTIONS", None)
             self.fitted()
-            self.assertEqual(self.out.read_bytes(), whole, instructions)
+            self.assertLess(max(map(math.dist, self.result(), expected)), 1e-5, instructions)
 
     def test_a_cloud_with_normals(self):
         points, faces = scan(41)

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -91,19 +90,6 @@ MethodResult ours(const Problem& scene, const EditSettings& settings, int thread
   }
   result.frame_ms = table::median(frames);
   return result;
-}
-
-std::function<lapedit::Points(double)> poser(const Problem& scene, const EditSettings& settings) {
-  const auto solver = std::make_shared<lapedit::StepSolver>(
-      scene.edit.mesh, lapedit::FoundRegion{std::make_shared<const lapedit::Region>(scene.region)}, settings);
-  solver->prepare(scene.edit.mesh);
-  return [&scene, solver](double fraction) {
-    std::vector<lapedit::HandleMotion> motions(scene.edit.maps.begin(), scene.edit.maps.end());
-    for (lapedit::HandleMotion& motion : motions) {
-      motion.fraction = fraction;
-    }
-    return whole_mesh(scene.edit, solver->region(), solver->pose(motions));
-  };
 }
 
 }  // namespace quality

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,9 +35,5 @@ lapedit::EditSettings settings_of(const std::string& text);
 /// This library's. A frame is a preview near the end of a drag.
 /// @throws EditError
 MethodResult ours(const Problem& scene, const lapedit::EditSettings& settings, int threads);
-
-/// Returns a function that solves for a fraction of the edit's motions, 0 to 1, and returns the positions of the whole
-/// mesh. It uses the scene, which has to live as long.
-std::function<lapedit::Points(double)> poser(const Problem& scene, const lapedit::EditSettings& settings);
 
 }  // namespace quality

@@ -24,8 +24,4 @@ MethodResult igl_biharmonic(const Problem& scene);
 /// Blender's Laplacian Deform modifier in a process of its own, times less the cost of updates without it.
 MethodResult blender(const Problem& scene);
 
-/// The nearest of MeshLab's own filters, by meshlabserver: vertices move by a formula of the geodesic distance from the
-/// handle, a single vertex. No times.
-MethodResult meshlab_falloff(const Problem& scene);
-
 }  // namespace quality

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shape and time of edits by this library's settings and by its peers, as a Markdown table with the project's targets.
+// Shape and time of edits by this library's settings and by its peers, as a Markdown table and as JSON.
 // See README.md.
 #include <algorithm>
 #include <cstdio>
@@ -34,12 +34,7 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
                         adds these settings, by the keys of JSON, under a name; what is not named is as by default
   --only A,B            only these methods
   --blender             Blender's Laplacian Deform too
-  --meshlab             what comes nearest among MeshLab's own filters too, for handles of one vertex
-  --targets NAME        the settings that are compared with the targets (default)
-  --jumps               instead of the table: the largest movement in 50, 500 and 5,000 steps of each edit
-  --renumbered          instead of the table: the change of each edit when the mesh is numbered at random
   --remeshed            instead of the table: the change of each edit when the surface is triangulated anew
-  --frames              instead of the table: the distance of frames from the released pose
   --threads N           ours; 0, the default: as many as the machine has
   --repeat N            best times of so many runs (2)
   --json FILE           all figures
@@ -49,12 +44,10 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
 
 /// The command line: options with their values, and those without.
 struct Options {
-  std::map<std::string, std::string> values = {{"--edits", ""},          {"--only", ""},     {"--ours", ""},
-                                               {"--targets", "default"}, {"--threads", "0"}, {"--repeat", "2"},
-                                               {"--json", ""},           {"--out", ""}};
-  std::map<std::string, bool> flags = {
-      {"--quick", false}, {"--blender", false}, {"--meshlab", false},    {"--generated", false}, {"--real", false},
-      {"--list", false},  {"--jumps", false},   {"--renumbered", false}, {"--frames", false},    {"--remeshed", false}};
+  std::map<std::string, std::string> values = {{"--edits", ""},   {"--only", ""}, {"--ours", ""}, {"--threads", "0"},
+                                               {"--repeat", "2"}, {"--json", ""}, {"--out", ""}};
+  std::map<std::string, bool> flags = {{"--quick", false}, {"--blender", false}, {"--generated", false},
+                                       {"--real", false},  {"--list", false},    {"--remeshed", false}};
   std::vector<std::pair<std::string, std::string>> ours;  ///< settings with their names
   int threads = 0, repeat = 2;
 
@@ -121,9 +114,6 @@ std::vector<Method> make_methods(const Options& options) {
   methods.push_back({"libigl", igl_arap});
   methods.push_back({"biharmonic", igl_biharmonic});
 #endif
-  if (options.has("--meshlab")) {
-    methods.push_back({"MeshLab", meshlab_falloff, true, true});
-  }
   const std::vector<std::string> only = options.list("--only");
   for (const std::string& name : only) {
     if (std::none_of(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; })) {
@@ -216,21 +206,12 @@ int run(int argc, char** argv) {
     }
     return 0;
   }
-  const std::string &targets = options.value("--targets"), &out = options.value("--out");
-  for (const char* option : {"--jumps", "--renumbered", "--frames"}) {
-    for (const auto& [name, settings] : make_settings(options)) {
-      if (options.has(option) && name == targets) {
-        print_steadiness(option, chosen, settings);
-        return 0;
-      }
-    }
-  }
+  const std::string& out = options.value("--out");
   if (options.has("--remeshed")) {
     print_remeshed(chosen, methods);
     return 0;
   }
   print_head();
-  std::vector<Row> rows;
   nlohmann::ordered_json json;
   for (const NamedEdit* named : chosen) {
     const Scene scene(named->make());
@@ -258,10 +239,7 @@ int run(int argc, char** argv) {
     }
     print_row(row, methods);
     json[named->name] = as_json(row, methods);
-    rows.push_back(std::move(row));
   }
-  print_summary(rows, methods);
-  print_targets(rows, methods, targets);
   if (const std::string& file = options.value("--json"); !file.empty()) {
     std::ofstream(file) << json.dump(1) << '\n';
   }

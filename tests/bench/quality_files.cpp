@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <stdexcept>
 
 namespace quality {
 namespace {
@@ -33,28 +32,6 @@ void write_ply(const std::filesystem::path& path, const lapedit::Points& positio
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     out.put(3).write(reinterpret_cast<const char*>(faces.row(f).data()), 3 * sizeof(int));
   }
-}
-
-lapedit::Points read_ply_points(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string header, line;
-  long count = -1;
-  while (std::getline(in, line) && line != "end_header") {
-    if (line.rfind("element vertex ", 0) == 0) {
-      count = std::stol(line.substr(15));
-    }
-    if (line.rfind("comment", 0) != 0) {
-      header += line + "\n";
-    }
-  }
-  const std::string layout = "element vertex " + std::to_string(count) +
-                             "\nproperty float x\nproperty float y\nproperty float z\nelement face";
-  SinglePoints points(std::max(count, 0L), 3);
-  if (header.find("binary_little_endian") == std::string::npos || header.find(layout) == std::string::npos ||
-      !in.read(reinterpret_cast<char*>(points.data()), static_cast<std::streamsize>(points.size() * sizeof(float)))) {
-    throw std::runtime_error(path.string() + " has no vertices of three floats");
-  }
-  return points.cast<double>();
 }
 
 }  // namespace quality

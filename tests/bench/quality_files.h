@@ -20,8 +20,4 @@ struct ScratchFolder {
 /// In single precision.
 void write_ply(const std::filesystem::path& path, const lapedit::Points& positions, const lapedit::Faces& faces);
 
-/// The vertices of a binary, little-endian file whose vertices begin with three floats and have nothing else.
-/// @throws std::runtime_error for any other file
-lapedit::Points read_ply_points(const std::filesystem::path& path);
-
 }  // namespace quality

@@ -39,8 +39,7 @@ struct MethodResult {
 struct Method {
   std::string name;
   std::function<MethodResult(const Problem&)> run;  ///< throws std::exception if there is no result
-  bool once = false;  ///< it is run once: its times are of several runs already, or there are none
-  bool some = false;  ///< it makes some of the edits only, and has no part in sums over all of them
+  bool once = false;                                ///< it is run once: its times are of several runs already
 };
 
 /// Shape and times of one edit by one method; 1 for 100 %.

@@ -327,51 +327,19 @@ void print_growth(int vertices) {
   table::print_row(cells);
 }
 
-// --- Competing load --------------------------------------------------------------------------------------------------
-
-/// Two threads over one; the caller starts the competing processes.
-void print_load(int vertices) {
-  constexpr int kRounds = 7;
-  const Problem scene = make_scene(vertices);
-  std::map<std::string, std::vector<double>> times[2];
-  for (int round = 0; round < 2 * kRounds; ++round) {
-    auto& of = times[round % 2];
-    Points positions;
-    Stopwatch watch;
-    const Solver solver = make_solver(scene, {}, 1 + round % 2);
-    solver->make_cells();
-    solver->frame({handle_move(0)}, positions);
-    of["first frame"].push_back(watch.lap());
-    solver->prepare(scene.edit.mesh);
-    of["region ready"].push_back(watch.lap());
-    solver->frame({handle_move(1)}, positions);
-    for (int frame = 2; frame < 7; ++frame) {
-      watch.lap();
-      solver->frame({handle_move(frame)}, positions);
-      of["frame"].push_back(watch.lap());
-    }
-    solver->pose({handle_move(7)});
-    of["settled pose"].push_back(watch.lap());
-  }
-  table::print_head({"two threads over one", "ratio"});
-  for (const auto& [what, one] : times[0]) {
-    table::print_row({what, table::number(table::median(times[1][what]) / table::median(one), "%.2f", 1.1)});
-  }
-}
-
 int run(int argc, char** argv) {
   const std::string mode = argc > 1 ? argv[1] : "";
-  const bool has_mode = mode == "--growth" || mode == "--load" || mode == "--quick";
+  const bool has_mode = mode == "--growth" || mode == "--quick";
   std::vector<int> sizes;
   for (int k = has_mode ? 2 : 1; k < argc; ++k) {
     sizes.push_back(std::stoi(argv[k]));
   }
   if (sizes.empty() || *std::min_element(sizes.begin(), sizes.end()) < 100) {
-    std::fprintf(stderr, "usage: speed_bench [--quick | --growth | --load] VERTICES...   (each 100 or more)\n");
+    std::fprintf(stderr, "usage: speed_bench [--quick | --growth] VERTICES...   (each 100 or more)\n");
     return 2;
   }
-  if (mode == "--growth" || mode == "--load") {
-    (mode == "--growth" ? print_growth : print_load)(sizes.front());
+  if (mode == "--growth") {
+    print_growth(sizes.front());
     return 0;
   }
   std::printf("%s, Eigen %d.%d.%d, %s\n", cholmod_version().c_str(), EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,

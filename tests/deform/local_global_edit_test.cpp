@@ -3,8 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
+#include <cstdio>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <iterator>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 #include "shapes.h"
@@ -15,7 +20,6 @@ namespace {
 
 using Maps = std::vector<HandleMotion>;
 using support::around;
-using support::interpolated;
 using support::rigid;
 using support::same_bits;
 using support::shift;
@@ -99,9 +103,45 @@ double farthest(const Points& a, const Points& b) {
 
 // --- what holds exactly ---
 
+/// What it prints is for OlderProcessorsGiveTheSameCoordinates, which runs it in other processes.
 TEST(LocalGlobalEdit, TwoEditorsGiveTheSameBits) {
+  std::cout << "poses" << std::setprecision(17);
   for (const Scene& s : {letters(), patches(), limb()}) {
-    EXPECT_TRUE(support::same_bits(s.solver().pose(s.maps), s.solver().pose(s.maps)));
+    const Points solution = s.solver().pose(s.maps);
+    EXPECT_TRUE(same_bits(s.solver().pose(s.maps), solution)) << s.name;
+    for (Eigen::Index k = 0; k < solution.size(); ++k) {
+      std::cout << ' ' << solution(k / 3, k % 3);
+    }
+  }
+  std::cout << '\n';
+}
+
+/// Fails if a kernel for one kind of processor decides otherwise than those for others.
+TEST(LocalGlobalEdit, OlderProcessorsGiveTheSameCoordinates) {
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe");
+  std::vector<double> first;
+  for (const char* instructions : {"plain", "avx2", "avx512"}) {
+    const std::string command = std::string("LAPEDIT_INSTRUCTIONS=") + instructions + " '" + self +
+                                "' --gtest_filter=LocalGlobalEdit.TwoEditorsGiveTheSameBits";
+    std::FILE* const output = popen(command.c_str(), "r");
+    ASSERT_NE(output, nullptr);
+    std::string text;
+    for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) {
+      text += static_cast<char>(c);
+    }
+    pclose(output);
+    const std::size_t begin = text.find("poses ");
+    ASSERT_NE(begin, std::string::npos) << text;
+    std::istringstream numbers(text.substr(begin + 6, text.find('\n', begin) - begin - 6));
+    const std::vector<double> made{std::istream_iterator<double>(numbers), {}};
+    if (first.empty()) {
+      first = made;
+    }
+    ASSERT_EQ(made.size(), first.size()) << instructions;
+    ASSERT_GT(made.size(), 3000U);
+    for (std::size_t k = 0; k < made.size(); ++k) {
+      ASSERT_NEAR(made[k], first[k], 4e-9) << "1e-9 of the size, " << instructions;
+    }
   }
 }
 

@@ -66,10 +66,9 @@ ELSEWHERE = [
 EXCEPTIONS = [
     (r"tests/run --quick", "builds and runs a part of what tests/run does"),
     (r"\./MeshLab\.AppImage .*|common/scripts/build_for\.sh squashfs-root", "official builds come from the network"),
-    (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(landmarks|speed|quality|fit)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
+    (r"(\w+=.*\n)?(xvfb-run -a )?tests/(scripts/(speed|quality|fit)\.sh|bench/quality_(pictures|page)\.py)(.|\n)*|"
      r"(cmake --build )?build/speed.*", "measures for minutes up to hours, beside CGAL and Blender"),
-    (r"tests/scripts/((whole_mesh|window_frames)\.sh|python_speed\.py).*", "measures: takes 10 GB, or a whole machine"),
-    (r"tests/scripts/(paper|gallery|first_drag|window_(stills|tour|film))\.(sh|py)( --rough| cells)?|"
+    (r"tests/scripts/(gallery|window_pictures)\.sh( paper| cells)?|"
      r"tests/scripts/idea\.py common/docs/pictures", "makes the documents' pictures, to be looked at"),
     (r"tests/scripts/upstream_patch\.sh --(build|extra)", "builds MeshLab's library: minutes, in a root of sid"),
     (r"tests/hosts/compare\.py --store", "replaces what the test compares with"),

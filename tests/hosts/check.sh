@@ -50,7 +50,7 @@ if [ $# -eq 3 ]; then
   # shellcheck disable=SC2016
   "${root_sh[@]}" run "$root" "${options[@]}" -- sh -euc '
     /src/tests/hosts/write_results.sh /build/filter_laplacian_edit/laplacian-edit /generated "$LAPEDIT_MESHES" \
-      "/results/$0" float' "$suite" || status=$?
+      "/results/$0"' "$suite" || status=$?
 fi
 [ "$status" -eq 0 ] || echo "$suite: failed, see above" >&2
 exit "$status"

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the meshes of the recorded edits as binary PLY files of triangles, with coordinates as MeshLab stores them.
+"""Writes the meshes of the recorded edits and their scans as binary PLY files of triangles.
 
 usage: ply_meshes.py SCALAR GENERATED MESHES FOLDER
   SCALAR     float or double
-  GENERATED  folder of the generated meshes
+  GENERATED  folder of the generated meshes and scans
   MESHES     folder of the real meshes, may be empty
   FOLDER     where to write <mesh>.ply
 """

@@ -2,30 +2,40 @@
 """MeshLab with the filter gives the same coordinates as the program, to the bit, for the recorded edits.
 
 Environment, besides that of tests/batch/host.py:
-  LAPEDIT_RESULTS  what write_results.sh made in the precision of MeshLab
+  LAPEDIT_GENERATED  folder of the generated meshes
 """
 import os
 import pathlib
+import subprocess
 import sys
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "batch"))
 
-from host import FilterHost, replay  # noqa: E402
-from ply import Ply  # noqa: E402
-
-RESULTS = pathlib.Path(os.environ["LAPEDIT_RESULTS"])
+from host import COMMAND, FilterHost, replay  # noqa: E402
+from ply import SCALAR, Ply  # noqa: E402
 
 
 class SameBits(FilterHost):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        # Files to read have single precision, whatever MeshLab has.
+        subprocess.run([sys.executable, HERE / "ply_meshes.py", SCALAR, os.environ["LAPEDIT_GENERATED"],
+                        os.environ.get("LAPEDIT_MESHES", ""), cls.folder / "meshes"],
+                       env={**os.environ, "LAPEDIT_SCALAR": "float"}, check=True)
+
     def test_recorded_edits(self):
-        results = sorted(RESULTS.glob("*/*/report.json"))
-        self.assertGreater(len(results), 5)
-        for mesh, name in (report.parent.relative_to(RESULTS).parts for report in results):
-            with self.subTest(mesh=mesh, edit=name):
-                before, expected = (Ply(RESULTS / mesh / name / f"pose-000{k}.ply").point_bits() for k in (1, 3))
-                path, _ = self.edited([replay(HERE / "edits" / mesh / f"{name}.json")], RESULTS / "meshes" / f"{mesh}.ply")
+        edits = [(edit, mesh) for edit in sorted(HERE.glob("edits/*/*.json")) if edit.stem != "fit"
+                 for mesh in (self.folder / "meshes").glob(f"{edit.parent.name}.ply")]
+        self.assertGreater(len(edits), 5)
+        for edit, mesh in edits:
+            with self.subTest(mesh=mesh.stem, edit=edit.stem):
+                made = self.folder / "made.ply"
+                subprocess.run([COMMAND, "--quiet", mesh, made, edit], check=True)
+                path, _ = self.edited([replay(edit)], mesh)
+                before, expected = (Ply(file).point_bits() for file in (mesh, made))
                 self.assertEqual(sum(a != b for a, b in zip(Ply(path).point_bits(), expected)), 0)
                 self.assertNotEqual(before, expected)
 

@@ -1,32 +1,32 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Makes the recorded edits, whose coordinates are compared with other builds and with MeshLab, with this build's program.
+# Makes the recorded edits, whose coordinates are compared with other builds, with this build's program, in double precision.
 #
-# usage: write_results.sh PROGRAM GENERATED MESHES OUTPUT SCALAR
+# usage: write_results.sh PROGRAM GENERATED MESHES OUTPUT
 #   PROGRAM    laplacian-edit
 #   GENERATED  folder with generated meshes, the same files for all builds
 #   MESHES     folder with the real meshes; empty: their edits are skipped
 #   OUTPUT     folder to make; an old one is replaced
-#   SCALAR     float or double: the precision of the meshes
 #
 # The edits are edits/<mesh>/<name>.json. OUTPUT/meshes has the meshes as PLY files, OUTPUT/<mesh>/<name> three poses, of the
-# fractions 0, 0.37 and 1, and a report.
+# fractions 0, 0.37 and 1. A fit takes one of the poses as its scan.
 set -eu
 
-[ $# -eq 5 ] || { sed -n 's/^# usage: //p' "$0" >&2; exit 2; }
-program=$1
-output=$4
-here=$(dirname "$0")
+[ $# -eq 4 ] || { sed -n 's/^# usage: //p' "$0" >&2; exit 2; }
+program=$(realpath "$1")
+here=$(cd "$(dirname "$0")" && pwd)
 
-rm -rf "$output"
-python3 "$here/ply_meshes.py" "$5" "$2" "$3" "$output/meshes"
+rm -rf "$4"
+python3 "$here/ply_meshes.py" double "$2" "$3" "$4/meshes"
+cd "$4/meshes"
 count=0
 for edit in "$here"/edits/*/*.json; do
   mesh=$(basename "$(dirname "$edit")")
-  [ -e "$output/meshes/$mesh.ply" ] || continue
-  results=$output/$mesh/$(basename "$edit" .json)
+  [ -e "$mesh.ply" ] || continue
+  results=../$mesh/$(basename "$edit" .json)
   mkdir -p "$results"
-  "$program" --quiet --fractions 0,0.37,1 --report "$results/report.json" "$output/meshes/$mesh.ply" "$results/pose.ply" "$edit"
+  # Names of scans in the standard input are relative to this folder.
+  "$program" --quiet --fractions 0,0.37,1 "$mesh.ply" "$results/pose.ply" - <"$edit"
   count=$((count + 1))
 done
-echo "$count edits by $("$program" --version): $output"
+echo "$count edits by $("$program" --version): $4"

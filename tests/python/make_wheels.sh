@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Makes the wheels for the oldest and the newest Python of this machine, for tests: with the system's headers, one build of
-# the core for both, and less optimisation, on which the bits do not depend.
+# Makes the wheels for the oldest and the newest Python of this machine, for tests: with the system's headers, and one build
+# of the core for both, with the optimisation of the program, since other fused operations would give other last bits.
 #
 # usage: make_wheels.sh FOLDER     FOLDER: for environments, build and wheels, which go to FOLDER/dist
 set -eu
@@ -22,7 +22,6 @@ while read -r python; do
     [ -d "$venv" ] || { "$python" -m venv "$venv" && "$venv/bin/pip" install -q 'pip>=23.1' 'scikit-build-core>=0.10' \
       "nanobind>=2.2; python_version >= '3.9'" "nanobind==2.4.*; python_version < '3.9'"; }
     "$venv/bin/pip" wheel -v --no-deps --no-build-isolation -w "$folder/dist" -C build-dir="$folder/build" \
-      -C cmake.define.CMAKE_CXX_FLAGS_RELEASE='-O1 -DNDEBUG' \
       -C cmake.define.LAPEDIT_WARNINGS_AS_ERRORS="${CI:+ON}" "$here/../.."
   } >"$folder/log" 2>&1 </dev/null || { cat "$folder/log" >&2; exit 1; }
 done <"$folder/pythons"

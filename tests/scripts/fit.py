@@ -11,8 +11,6 @@ import time
 
 import numpy as np
 
-FOR_AMBERG = "coarse head", "face 03"  # cases that it gets, since it takes up to a minute for each
-
 
 def read_ply(path):
     lines = path.read_text(encoding="ascii").split("end_header\n")
@@ -219,14 +217,6 @@ def bent_arm(points, degrees):
     return result
 
 
-def hard_heads(make, numbers):
-    """Heads of 10,000 vertices, with and without landmarks, and an arm in another pose."""
-    template, scan = make("coarse_head"), make("head")
-    for number in numbers:
-        yield from heads(template, scan, number)
-    yield from poses(make("person"))
-
-
 def heads(coarse, fine, number, name="head {}"):
     template, faces = coarse
     name = name.format(number)
@@ -336,17 +326,6 @@ def fit_meshmonk(case, start):
     return np.asarray(result.aligned_features)[:, :3].astype(float) / scale, time.process_time() - begin
 
 
-def fit_amberg(case, start):
-    import trimesh
-    from trimesh.registration import nricp_amberg
-    begin = time.process_time()
-    source = trimesh.Trimesh(start, case.faces, process=False)
-    target = trimesh.Trimesh(*case.scan, process=False)
-    more = {"source_landmarks": np.array([v for v, _ in case.landmarks]),
-            "target_positions": np.array([p for _, p in case.landmarks])} if case.landmarks else {}
-    return np.asarray(nricp_amberg(source, target, **more)), time.process_time() - begin
-
-
 def measures(case, result, seconds):
     error = np.linalg.norm(result - case.truth, axis=1) / case.size * 100
     in_holes = np.zeros(len(error), bool)
@@ -362,48 +341,6 @@ def text_of(one):
         return "-"
     holes = "" if one["holes"] is None else f", in holes {one['holes']:.2f}"
     return f"{one['mean']:.2f}/{one['most']:.2f}/{one['largest']:.2f}{holes};{one['folds']};{one['seconds']:.1f} s"
-
-
-# Of a constant its name, and values to measure.
-SWEPT = (("first_length", 0.2, 0.8), ("unmatched_weight", 0.0005, 0.002), ("landmark_weight", 40, 160), ("momentum", 0.4, 0.9),
-         ("per_length", 1.25, 5), ("rounds", 5, 18), ("average", 0.075, 0.3), ("membrane", 1, 4), ("tangential", 0.1, 0.4),
-         ("times", 2.5, 10), ("most", 0.35, 0.9), ("cosine", 0.866, 0.1), ("detail", 0.015, 0.06))
-
-
-def write_numbers(path, vertices, faces):
-    with open(path, "wb") as file:
-        file.write(np.array([len(vertices), len(faces)], "<i4").tobytes() + vertices.astype("<f8").tobytes() + faces.astype("<i4").tobytes())
-
-
-def sweep(options):
-    """Changes of the errors of head 3, which did not set the constants, and of the pose, in %."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        names = [folder / name for name in ("template", "scan", "edit.json", "out")]
-        cases = [case for case in hard_heads(maker(options.make_mesh, folder), (3,)) if "clean" not in case.name]
-
-        def errors(constant=None, value=None):
-            of_cases = {}
-            for case in cases:
-                write_numbers(names[0], case.template, case.faces)
-                write_numbers(names[1], *case.scan)
-                names[2].write_text(edit_of(case, {"detail": value} if constant == "detail" else {}), encoding="ascii")
-                given = [f"{constant}={value}"] if constant and constant != "detail" else []
-                subprocess.run([options.sweep, *names, *given], check=True)
-                found = measures(case, np.fromfile(names[3]).reshape(-1, 3), 0)
-                of_cases[case.name] = [found[key] for key in ("mean", "most", "largest", "folds")]
-            return of_cases
-
-        usual = errors()
-        lines = ["|Constant|" + "|".join(usual) + "|", "|---|" + "---|" * len(usual)]
-        for constant, *values in SWEPT:
-            for value in values:
-                found = errors(constant, value)
-                cells = ["/".join(f"{100 * (a / b - 1):+.0f}" for a, b in zip(found[case][:3], usual[case][:3]))
-                         + (f"; {found[case][3]} folds" if found[case][3] else "") for case in usual]
-                lines.append(f"|{constant}: {value}|" + "|".join(cells) + "|")
-                print(lines[-1], flush=True)
-        (options.output / "sweep.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def picture(options):
@@ -431,14 +368,10 @@ def main():
         parser.add_argument("--" + name, type=pathlib.Path, required=True)
     parser.add_argument("--cases", default="", help="only cases whose names match this pattern")
     parser.add_argument("--no-peers", action="store_true")
-    parser.add_argument("--sweep", type=pathlib.Path, metavar="PROGRAM", help="halves and doubles constants with this program")
     parser.add_argument("--picture", type=pathlib.Path, metavar="FILE", help="makes the picture of the page on fits")
     options = parser.parse_args()
     if options.picture:
         picture(options)
-        return
-    if options.sweep:
-        sweep(options)
         return
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -455,14 +388,12 @@ def main():
             if not options.no_peers:
                 start = aligned(case, options.program, folder)
                 row["start"] = float(np.linalg.norm(start - case.truth, axis=1).mean() / case.size * 100)
-                for peer, fit in (("meshmonk", fit_meshmonk), ("amberg", fit_amberg)):
-                    if peer != "amberg" or case.name.startswith(FOR_AMBERG):
-                        row[peer] = measures(case, *fit(case, start))
+                row["meshmonk"] = measures(case, *fit_meshmonk(case, start))
             rows.append(row)
-            print(case.name, *(f"| {text_of(row.get(key))}" for key in ("ours", "meshmonk", "amberg")),
+            print(case.name, *(f"| {text_of(row.get(key))}" for key in ("ours", "meshmonk")),
                   "|", figures.get("advice") or figures.get("error", ""), flush=True)
-    header = "|Case (vertices)|Fit|MeshMonk|`nricp_amberg`|\n|---|---|---|---|\n"
-    lines = [f"|{row['case']} ({row['vertices']})|" + "|".join(text_of(row.get(key)) for key in ("ours", "meshmonk", "amberg"))
+    header = "|Case (vertices)|Fit|MeshMonk|\n|---|---|---|\n"
+    lines = [f"|{row['case']} ({row['vertices']})|" + "|".join(text_of(row.get(key)) for key in ("ours", "meshmonk"))
              + "|" for row in rows]
     (options.output / "fit.md").write_text(
         "Error per vertex in % of the size: mean / 95 % / largest; folded faces; processor time.\n\n" + header + "\n".join(lines) + "\n",

@@ -1,12 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Measures fits of a template to scans whose true correspondence is known, and compares them with MeshMonk 0.3 and with
-# trimesh's nricp_amberg, in one run: a Markdown table and all figures as JSON. Both are installed from PyPI into a virtual
-# environment outside of the repository.
+# Measures fits of a template to scans whose true correspondence is known, and compares them with MeshMonk 0.3, in
+# one run: a Markdown table and all figures as JSON. It is installed from PyPI into a virtual environment outside of the
+# repository.
 #
 # usage: fit.sh [OPTION of fit.py]...   for example --cases head, --no-peers
 #        fit.sh --picture common/docs/pictures/fit.png   (needs an X server, ImageMagick and python3-vtk9)
-#        fit.sh --sweep   what changes when constants are halved and doubled; about three minutes on an idle machine
 # FIT_OUTPUT: folder of fit.md and fit.json; build/fit by default.
 # FIT_PYTHON: folder of the virtual environment; ~/.cache/laplacian-edit-fit by default.
 # LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
@@ -20,15 +19,10 @@ meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 
 if [ ! -x "$python/bin/python" ]; then
   python3 -m venv "$python"
-  "$python/bin/pip" --quiet install numpy scipy 'meshmonk==0.3.0' 'trimesh>=4' rtree
+  "$python/bin/pip" --quiet install numpy scipy 'meshmonk==0.3.0'
 fi
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build "$build" --target laplacian_edit_program make_mesh >/dev/null
 mkdir -p "$output"
-if [ "${1-}" = --sweep ]; then
-  cmake -S . -B "$build" -DLAPEDIT_BUILD_TESTS=ON >/dev/null
-  cmake --build "$build" --target fit_constants >/dev/null
-  set -- --sweep "$build/tests/fit_constants"
-fi
 exec "$python/bin/python" tests/scripts/fit.py --program "$build/filter_laplacian_edit/laplacian-edit" \
   --make-mesh "$build/common/demo/make_mesh" --meshes "$meshes" --output "$output" "$@"

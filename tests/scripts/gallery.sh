@@ -3,6 +3,8 @@
 # Renders edits with each method beside each other into build/gallery, and prints their stretch as a table.
 #
 # usage: gallery.sh [--columns N] [--height PIXELS] [NAME...]   names of edits as in gallery.py, all by default
+#        gallery.sh paper [NAME...]   the figures and the table of common/docs/paper.md, into build/paper; names: figure_1,
+#                                     figure_2, figure_4 to figure_8, table_1
 #
 # The pictures of the limb in common/docs/method.md: gallery.sh --columns 4 --height 300 limb-170; gallery.sh cells --height 300;
 # of the operator: gallery.sh --surface --height 300
@@ -17,7 +19,11 @@ meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 common/scripts/install_dependencies.sh pictures
 cmake -S . -B "$build" >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target laplacian_edit_program make_mesh >/dev/null
-if [ "${1-}" = cells ]; then
+what=gallery
+if [ "${1-}" = paper ]; then
+  shift
+  what=paper
+elif [ "${1-}" = cells ]; then
   shift
   cmake -S . -B "$build" -DLAPEDIT_BUILD_TESTS=ON >/dev/null
   cmake --build "$build" --parallel "$(nproc)" --target cell_colours >/dev/null
@@ -26,5 +32,5 @@ fi
 if [ -d "$meshes" ]; then
   set -- --meshes "$meshes" "$@"
 fi
-exec xvfb-run -a tests/scripts/gallery.py --command "$build/filter_laplacian_edit/laplacian-edit" \
-  --make-mesh "$build/common/demo/make_mesh" --output "$build/gallery" "$@"
+exec xvfb-run -a "tests/scripts/$what.py" --command "$build/filter_laplacian_edit/laplacian-edit" \
+  --make-mesh "$build/common/demo/make_mesh" --output "$build/$what" "$@"

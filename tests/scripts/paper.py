@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes the paper's figures and its Table 1 anew, by laplacian-edit, on generated meshes and on real ones if there are.
 
-Needs an X server (xvfb-run). paper.sh prepares what this needs and calls it.
+Needs an X server (xvfb-run). gallery.sh prepares what this needs and calls it.
 """
 import argparse
 import statistics

@@ -7,7 +7,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gui"))
 
-from tool import PANEL, TOOL, ToolTest, part  # noqa: E402, F401  (for the scripts, too)
+from tool import TOOL, ToolTest, part  # noqa: E402, F401  (for the scripts, too)
 
 
 class Pictures(ToolTest):
@@ -51,14 +51,3 @@ def cut(window, picture, centre, width, height):
     x = round(min(max(centre[0] - width / 2, 0), view["width"] - width)) + left
     y = round(min(max(centre[1] - height / 2, 0), view["height"] - height)) + top
     convert(picture, "-crop", f"{width}x{height}+{x}+{y}", "+repage", picture)
-
-
-def with_caption(pictures, caption, output):
-    """The pictures side by side, the caption under them."""
-    convert(*pictures, "+append", "-gravity", "center", "-background", "white", "-fill", "black", "-pointsize", 15,
-            "(", "-size", "x24", "label:" + caption.replace("%", "%%"), ")", "-append", "-bordercolor", "white", "-border", 4,
-            output)
-
-
-def sheet(rows, columns, output):
-    subprocess.run(["montage", *map(str, rows), "-tile", f"{columns}x", "-geometry", "+2+2", str(output)], check=True)

@@ -1,8 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Measures the shape of edits and compares it with CGAL's ARAP and SR-ARAP, Blender, libigl and MeshLab's own filters, in
-# one run: a Markdown table with the project's targets, all figures as JSON, and one picture for each edit with the methods
-# side by side. With --jumps, --renumbered or --frames it measures how steady poses are, without pictures.
+# Measures the shape of edits and compares it with CGAL's ARAP and SR-ARAP, Blender and libigl, in one run: a Markdown table,
+# all figures as JSON, and one picture for each edit with the methods side by side.
 #
 # usage: quality.sh [OPTION of quality_bench]...   for example --quick, --edits limb_90,bunny_group, or
 #                                                  --ours NAME=laplacian=cotangent,iterations=3
@@ -36,12 +35,6 @@ if command -v blender >/dev/null; then
   set -- --blender "$@"
 else
   echo "quality.sh: Blender is not installed and is left out." >&2
-fi
-
-if command -v meshlabserver >/dev/null && command -v xvfb-run >/dev/null; then
-  set -- --meshlab "$@"
-else
-  echo "quality.sh: MeshLab's own filters are left out without meshlabserver (MeshLab 2020.09) and xvfb." >&2
 fi
 
 # By an apt configuration of its own: the system's is not touched.

@@ -51,7 +51,7 @@ $(list "$filter" | grep 'lapedit'))
 $(kernels)
 	target_include_directories(
 		laplacian-edit-core PUBLIC \${CMAKE_CURRENT_SOURCE_DIR} \${CMAKE_CURRENT_SOURCE_DIR}/lapedit_host)
-	# Results are the same to the bit with every compiler.
+	# No decision differs with another compiler.
 	target_compile_options(laplacian-edit-core PRIVATE -ffp-contract=off)
 	target_compile_definitions(laplacian-edit-core PUBLIC LAPEDIT_VERSION="$version")
 	target_link_libraries(

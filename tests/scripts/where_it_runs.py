@@ -11,10 +11,10 @@ import pathlib
 import re
 import sys
 
-COLUMNS = "compiled", "loaded", "tested", "same bits"
+COLUMNS = "compiled", "loaded", "tested", "same coordinates"
 ROWS = [
     ("MeshLab 2020.09, Debian 12, g++ 12", ["host.filter"], ["gui.driver"], ["host.filter", "gui.driver"],
-     ["host.edits_keep_their_bits", "host.same_bits"]),
+     ["host.edits_keep_their_coordinates", "host.same_bits"]),
     ("the same on a processor without AVX", ["hosts.here_other_cpu"], ["hosts.here_other_cpu"], ["kernels.linear.plain"], ["hosts.same_coordinates"]),
     ("MeshLab 2022.02, Debian 13, g++ 14", ["hosts.trixie"], ["hosts.trixie"], ["hosts.trixie"], ["hosts.trixie", "hosts.same_coordinates"]),
     ("MeshLab 2025.07, Debian sid, g++ 16", ["hosts.sid"], ["hosts.sid"], ["hosts.sid"], ["hosts.sid", "hosts.same_coordinates"]),

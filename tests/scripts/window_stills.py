@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes the pictures of edit_laplacian_drag/in-the-window.md but the film: called by window_stills.sh.
+"""Makes the pictures of edit_laplacian_drag/in-the-window.md but the film: called by window_pictures.sh.
 
 usage: window_stills.py FOLDER   where the generated meshes are; the pictures are written there
 """
 import contextlib
 import pathlib
+import subprocess
 import sys
 import time
 
-from pictures import TOOL, Pictures, convert, cut, nearest, part, rotated, sheet
+from pictures import TOOL, Pictures, convert, cut, nearest, part, rotated
 
 NOSE, FOOT = (0, -0.13, 1.21), (0.8, -1.29, 0.41)
 HAND, OTHER_HAND = (1.0, -0.2, 0.15), (-1.0, -0.2, 0.15)  # of the person
@@ -70,7 +71,7 @@ def trials(pictures, folder):
         keep(window, middle, 0, 430)
         window.drag((x, y), (x + 30, y - 80))
         keep(window, middle, 1, 430)
-    sheet([*rows[0], *rows[1]], 3, folder / "trials.png")
+    subprocess.run(["montage", *rows[0], *rows[1], "-tile", "3x", "-geometry", "+2+2", folder / "trials.png"], check=True)
     convert(folder / "trials.png", "+dither", "-colors", 128, f"PNG8:{folder / 'trials.png'}")
 
 

@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plays an edit in the window, picture by picture: called by window_tour.sh with the mesh and the GIF to make."""
+"""Plays an edit in the window, picture by picture: called by window_pictures.sh.
+
+usage: window_tour.py FOLDER   where person.ply is; tour.gif is written there
+"""
 import math
 import pathlib
 import shutil
@@ -170,10 +173,10 @@ def keep(tour, window, pictures):
 
 
 def main():
-    mesh, picture = (pathlib.Path(argument).resolve() for argument in sys.argv[1:])
+    folder = pathlib.Path(sys.argv[1]).resolve()
 
     def make(pictures):
-        copy = pathlib.Path(shutil.copy(mesh, pictures.folder))  # its folder is shown
+        copy = pathlib.Path(shutil.copy(folder / "person.ply", pictures.folder))  # its folder is shown
         with pictures.open(copy) as window:
             window.resize(1280, 800)
             window.layer(matrix=rotated(0, -25))
@@ -190,7 +193,7 @@ def main():
             raise_arm(tour, window, at)
             pull_nose(tour, window, at)
             keep(tour, window, pictures)
-        tour.write(picture)
+        tour.write(folder / "tour.gif")
 
     Pictures.made_by(make)
 

@@ -3,7 +3,7 @@
 
 namespace lapedit {
 
-/// Constants of a fit. Internal and not selectable by users: `tests/scripts/fit.sh --sweep` measures other values.
+/// Constants of a fit. Internal and not selectable by users.
 struct FitConstants {
   double first_length = 0.4;        ///< over the template's size
   double unmatched_weight = 0.001;  ///< of a vertex without a partner, so that it keeps its position

@@ -77,7 +77,7 @@ def edit(vertices: Any, faces: Any = None, edit: Optional[Edit] = None, *, selec
     """Applies an edit to a mesh and returns its new vertices with a report. The given arrays are not changed.
 
     edit(vertices, faces, edit) takes arrays, edit(mesh, edit) a mesh of trimesh, PyVista, Open3D or vedo. The same mesh and edit
-    give the same bits as the program laplacian-edit, on every machine: float32 vertices as a file of single precision.
+    give the same bits as the program laplacian-edit of the same build: float32 vertices as a file of single precision.
 
     Args:
         vertices: (n, 3), model units, float32, float64 or integers, in any memory layout; or a mesh.
