@@ -6,7 +6,7 @@ import pathlib
 import shutil
 import unittest
 
-from tool import ToolTest, part
+from tool import ToolTest, numbers_of, part
 from ply import Ply
 
 WHEEL_UP, WHEEL_DOWN = 4, 5
@@ -136,6 +136,23 @@ class Gestures(ToolTest):
             self.assertEqual(self.counts(w), larger)
             self.x_key(w, "b")  # nothing is painted any more
             self.x_pull(w, self.on_screen(w, self.CENTRE), (15, 20))
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_fast_stroke_leaves_no_gap(self):
+        with self.window() as w:
+            w.set(part("group_paint"), True)
+            w.set(part("brush"), 8)
+            w.set(part("brush_target"), "Fixed")
+            w.x("mousemove", *self.on_screen(w, self.at(30, 8)), "mousedown", 1)
+            for vertex in (self.at(30, 32), self.at(14, 32)):
+                w.x("mousemove", *self.on_screen(w, vertex))
+            w.x("mouseup", 1)
+            self.settle(w)
+            self.x_key(w, "Escape")
+            self.x_pull(w, self.on_screen(w, self.CENTRE), (15, 20))
+            held = set(numbers_of(self.last_step(w)["region"]["held"]))
+            self.assertLessEqual({self.at(30, c) for c in range(8, 33)} | {self.at(r, 32) for r in range(14, 31)}, held)
+            self.assertFalse({self.at(20, c) for c in range(8, 25)} & held)
             self.assert_replay_is_the_same(w, self.mesh)
 
     def test_chosen_groups_move_together(self):
