@@ -35,8 +35,7 @@ void Panel::addBasic() {
       length("radius", tr("Size of a new region, along the surface (wheel)"), access<&DragSettings::radius>()));
   row(tr("Handle size"), percent("handle_fraction", static_cast<int>(100 * kLargestHandleFraction),
                                  tr("Radius of the disc that a press takes, in percent of the region's radius "
-                                    "before the wheel changed it (Shift+wheel); 0: the vertex under the cursor "
-                                    "alone"),
+                                    "(Shift+wheel); 0: the vertex under the cursor alone"),
                                  access<&DragSettings::handle_fraction, 100>()));
   addPieces();
   auto* const click = state(

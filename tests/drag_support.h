@@ -108,7 +108,6 @@ class Window {
   void change(const Change& changed) {
     DragSettings settings = session.settings();
     changed(settings);
-    settings.handle_scale = settings.radius;
     session.set_settings(settings);
     session.wait();
   }

@@ -446,8 +446,9 @@ class Hover(ToolTest):
             radius = w.widget(part("radius"))["value"]
             found = re.match(r"Radius of the next region: ([\d.]+) \(Shift: handle size, Ctrl: zoom\)", self.message(w))
             self.assertAlmostEqual(float(found[1]), radius, delta=0.01 * radius)
+            self.assertAlmostEqual(w.widget(part("handle_fraction"))["value"], 20 / 1.1, delta=0.1)  # of the radius shown
             w.wheel(300, 300, 1, modifiers=["shift"])
-            self.assertRegex(self.message(w), "^Handle size: 25 %, ")
+            self.assertRegex(self.message(w), "^Handle size: 22.7 %, ")
             w.wheel(300, 300, 1, modifiers=["ctrl", "shift"])
             self.assertRegex(self.message(w), "^Padding: 12 % of the radius")
             w.move(303, 300)

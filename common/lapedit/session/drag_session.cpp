@@ -151,7 +151,6 @@ DragSettings DragSession::settings_at_cursor() const {
   if (const HoverPreview* const preview = hover();
       preview && preview->kind == HoverPreview::Kind::Region && preview->radius > 0 && !model_.selection.has_region) {
     settings.radius = preview->radius;
-    settings.handle_scale = settings.first_radius > 0 ? preview->radius : settings.handle_scale;
   }
   return settings;
 }
@@ -309,7 +308,7 @@ void DragSession::inherit(const Inheritance& before) {
   set_tools(tools);
   DragSettings settings = before.settings;
   if (settings.first_radius > 0) {  // the radius is that of a protrusion
-    settings.radius = settings.handle_scale = settings.first_radius;
+    settings.radius = settings.first_radius;
   }
   set_settings(settings);
   earlier_ = before.saved;

@@ -282,7 +282,7 @@ HoverQuery SessionMouse::query(const SurfaceHit& hit, const Camera& view, bool w
   query.mirror = model_.tools.mirror;
   if (usual > 0 && is_disc) {
     const double pixel = view.pixel_size(hit.point);
-    query.disc = std::min(settings.handle_fraction, kLargestHandleFraction);
+    query.disc = settings.handle_fraction;
     query.largest = std::min(kLargest * usual, kOfView * view.height() * pixel);
     query.smallest = std::min(std::max(kSmallest * usual, kPixels * pixel), query.largest);
   }
@@ -358,7 +358,7 @@ void SessionMouse::press_surface(const SurfaceHit& hit, const Cursor& cursor, Pr
       waiting_.push_back({Event::Kind::Press, cursor, modifiers});
       return;
     }
-    model_.settings.radius = model_.settings.handle_scale = found->radius;
+    model_.settings.radius = found->radius;
   }
   pressed_ = Press{hit.point, hit.vertex, cursor, modifiers};
   const bool taken = model_.take(pick(solver_.surface(), model_.selection, hit.vertex));
