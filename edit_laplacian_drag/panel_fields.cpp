@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QAbstractItemView>
 #include <QApplication>
+#include <QCheckBox>
 #include <QComboBox>
+#include <QFormLayout>
 #include <QLabel>
 #include <QLineEdit>
 #include <QLocale>
@@ -131,6 +133,14 @@ QComboBox* Panel::choice(const Setting& setting, const Access& access) {
     box->addItem(titleOf(name));
   }
   follow(box, access, QOverload<int>::of(&QComboBox::activated), &QComboBox::setCurrentIndex);
+  return box;
+}
+
+QCheckBox* Panel::check(const char* part, const QString& text, const QString& help, const Access& access) {
+  auto* const box = prepared<QCheckBox>(part, help);
+  box->setText(text);
+  follow<QAbstractButton, bool>(box, access, &QAbstractButton::clicked, &QAbstractButton::setChecked);
+  form_->addRow(box);
   return box;
 }
 
