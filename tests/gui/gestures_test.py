@@ -242,6 +242,24 @@ class Gestures(ToolTest):
             self.settle(w)
             self.assertGreater(math.hypot(*self.last_step(w)["handles"][0]["translation"]), 0.01)
 
+    def test_scale_along_an_axis_by_a_percentage(self):
+        with self.window() as w:
+            before = w.dump().triples()
+            self.x_click(w, self.CENTRE)
+            self.x_key(w, "s", "y", "1", "0", "5", "percent")
+            self.assertRegex(self.message(w), "Scaling by 1.05 along Y")
+            self.x_key(w, "Return")
+            matrix = self.last_step(w)["handles"][0]["matrix"]
+            self.assertEqual([matrix[i] for i in (0, 1, 2, 4, 5, 6, 8, 9, 10)], [1, 0, 0, 0, 1.05, 0, 0, 0, 1])
+            beside, other = self.at(20, 21), self.at(21, 20)
+            after = w.dump().triples()
+            for vertex in (beside, other):
+                way = [a - b for a, b in zip(before[vertex], before[self.CENTRE])]
+                now = [a - b for a, b in zip(after[vertex], after[self.CENTRE])]
+                for axis in range(3):
+                    self.assertAlmostEqual(now[axis], (1, 1.05, 1)[axis] * way[axis], delta=2e-4)
+            self.assert_replay_is_the_same(w, self.mesh)
+
     def test_last_step_takes_numbers_and_a_fraction(self):
         with self.window() as w:
             w.set(part("group_last_step"), True)
