@@ -7,7 +7,7 @@ import shutil
 import unittest
 
 from tool import ToolTest, numbers_of, part
-from ply import Ply
+from ply import Ply, write_ply
 
 WHEEL_UP, WHEEL_DOWN = 4, 5
 
@@ -259,6 +259,30 @@ class Gestures(ToolTest):
                 for axis in range(3):
                     self.assertAlmostEqual(now[axis], (1, 1.05, 1)[axis] * way[axis], delta=2e-4)
             self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_pipe_bends_in_four_actions(self):
+        around, rings = 24, 60
+        points = [(3 * i / (rings - 1) - 1.5, 0.12 * math.cos(2 * math.pi * j / around),
+                   0.12 * math.sin(2 * math.pi * j / around)) for i in range(rings) for j in range(around)]
+        faces = [face for i in range(rings - 1) for j in range(around)
+                 for a, b in [(i * around + j, i * around + (j + 1) % around)]
+                 for face in [(a, b, a + around), (b, b + around, a + around)]]
+        mesh = write_ply(self.folder / "pipe.ply", points, faces)
+        with self.window(mesh=mesh) as w:
+            before = w.dump()
+            end = (rings - 3) * around + around // 4
+            self.x_click(w, end)
+            w.x("click", "--repeat", 12, "--delay", 20, WHEEL_UP)
+            self.settle(w)
+            self.x_key(w, "p", "p")
+            self.x_key(w, "r", "z", "3", "0", "Return")
+            after = w.dump()
+            moved = before.moved(after)
+            self.assertGreater(min(v // around for v in moved), rings // 4)
+            rim = [after.triples()[v] for v in range((rings - 1) * around, rings * around)]
+            along = [a - b for a, b in zip(rim[0], rim[around // 2])]  # was along Y
+            self.assertAlmostEqual(abs(math.degrees(math.atan2(along[0], along[1]))), 30, delta=3)
+            self.assert_replay_is_the_same(w, mesh)
 
     def test_last_step_takes_numbers_and_a_fraction(self):
         with self.window() as w:
