@@ -42,9 +42,7 @@ void Panel::addAdvanced() {
     if (setting.kind == Setting::Kind::Choice && setting.varies(EditMethod::Linear)) {
       row(titleOf(setting.key), choice(setting, access));
     } else if (QString(setting.key) == "membrane") {
-      auto* const box = number(setting.key, setting.low, setting.high, 6, tip(setting.help), access);
-      box->setPrefix(tr("\u00d7 "));
-      row(tr("Keep lengths"), box);
+      row(tr("Keep lengths"), number(setting.key, setting.low, setting.high, 6, tip(setting.help), access));
     }
   }
 }

@@ -213,7 +213,7 @@ void Panel::addRegion() {
                         "distance, such as eyes in a head, or a seam that is open; 0: off"),
                      access<&DragSettings::connect_gap>());
   gap->setSpecialValueText(tr("off"));
-  row(tr("Bring along within"), gap);
+  row(tr("Connect within"), gap);
 }
 
 void Panel::addView() {
