@@ -48,10 +48,15 @@ struct Paragraph {
   QRect position = {};
 };
 
-QImage pictureOf(const LinePicture::Line& line, int widest, double pixelRatio) {
-  Paragraph paragraphs[] = {
-      {line.text, Qt::white}, {line.warning, colorOf(pen::kYellow)}, {line.position, QColor(190, 200, 210)}};
+QImage pictureOf(const LinePicture::Line& line, int widest, int highest, double pixelRatio) {
   const QFontMetrics metrics(fontOf(kFontPixels));
+  QString text = line.text;  // its last sentences are dropped where they would cover the picture
+  const QRect width(0, 0, widest - 2 * kPadding, 10000);
+  while (text.contains(". ") && metrics.boundingRect(width, Qt::TextWordWrap, text).height() > highest) {
+    text.truncate(text.lastIndexOf(". ") + 1);
+  }
+  Paragraph paragraphs[] = {
+      {text, Qt::white}, {line.warning, colorOf(pen::kYellow)}, {line.position, QColor(190, 200, 210)}};
   QSize size(0, 2 * kPadding);
   for (Paragraph& paragraph : paragraphs) {
     if (!paragraph.text.isEmpty()) {
@@ -127,7 +132,7 @@ void LinePicture::draw(const Line& line, const QSize& view, double pixelRatio, c
     line_ = line;
     view_ = view;
     pixelRatio_ = pixelRatio;
-    picture_ = pictureOf(line, std::min(kWidest, view.width() - 2 * kMargin), pixelRatio);
+    picture_ = pictureOf(line, std::min(kWidest, view.width() - 2 * kMargin), view.height() / 8, pixelRatio);
   }
   const QSizeF size = QSizeF(picture_.size()) / pixelRatio;
   rectangle_ = QRectF(QPointF((view.width() - size.width()) / 2, kMargin), size);

@@ -15,6 +15,7 @@
 #include "remembered_settings.h"
 #include "surface_picture.h"
 
+class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
 class QFormLayout;
@@ -72,6 +73,7 @@ class Panel : public QDockWidget {
 
   void addBasic();
   void addRegion();
+  void addAutomatic();
   void addPieces();
   void addMirror();
   void addPaint();
@@ -99,6 +101,7 @@ class Panel : public QDockWidget {
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
+  QCheckBox* check(const char* part, const QString& text, const QString& help, const Access& access);
   QPushButton* resetButton();
   /// Creates a list for a value of the session that is not one of its settings.
   QComboBox* state(const char* part, const QStringList& choices, const QString& help,

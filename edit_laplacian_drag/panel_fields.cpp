@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QAbstractItemView>
 #include <QApplication>
+#include <QCheckBox>
 #include <QComboBox>
+#include <QFormLayout>
 #include <QLabel>
 #include <QLineEdit>
 #include <QLocale>
@@ -40,9 +42,7 @@ void Panel::addAdvanced() {
     if (setting.kind == Setting::Kind::Choice && setting.varies(EditMethod::Linear)) {
       row(titleOf(setting.key), choice(setting, access));
     } else if (QString(setting.key) == "membrane") {
-      auto* const box = number(setting.key, setting.low, setting.high, 6, tip(setting.help), access);
-      box->setPrefix(tr("\u00d7 "));
-      row(tr("Keep lengths"), box);
+      row(tr("Keep lengths"), number(setting.key, setting.low, setting.high, 6, tip(setting.help), access));
     }
   }
 }
@@ -131,6 +131,14 @@ QComboBox* Panel::choice(const Setting& setting, const Access& access) {
     box->addItem(titleOf(name));
   }
   follow(box, access, QOverload<int>::of(&QComboBox::activated), &QComboBox::setCurrentIndex);
+  return box;
+}
+
+QCheckBox* Panel::check(const char* part, const QString& text, const QString& help, const Access& access) {
+  auto* const box = prepared<QCheckBox>(part, help);
+  box->setText(text);
+  follow<QAbstractButton, bool>(box, access, &QAbstractButton::clicked, &QAbstractButton::setChecked);
+  form_->addRow(box);
   return box;
 }
 

@@ -35,9 +35,9 @@ void Panel::addBasic() {
       length("radius", tr("Size of a new region, along the surface (wheel)"), access<&DragSettings::radius>()));
   row(tr("Handle size"), percent("handle_fraction", static_cast<int>(100 * kLargestHandleFraction),
                                  tr("Radius of the disc that a press takes, in percent of the region's radius "
-                                    "before the wheel changed it (Shift+wheel); 0: the vertex under the cursor "
-                                    "alone"),
+                                    "(Shift+wheel); 0: the vertex under the cursor alone"),
                                  access<&DragSettings::handle_fraction, 100>()));
+  addAutomatic();
   addPieces();
   auto* const click = state(
       "mode", {tr("Disc or vertex"), tr("Curve"), tr("Another handle"), tr("New region")},
@@ -105,20 +105,26 @@ void Panel::addBasic() {
   form_->addRow(progress_);
 }
 
+void Panel::addAutomatic() {
+  check(
+      "automatic", tr("Automatic sizes"),
+      tr("A press takes the radius of the ear, nose or limb there, and a fifth of it for the handle, until a radius is "
+         "set"),
+      {[](const DragSettings& settings) { return settings.first_radius > 0 ? 1 : 0; },
+       [this](DragSettings& settings, double on) {
+         settings.first_radius = on * defaults_.first_radius;
+         settings.handle_fraction = on > 0 ? defaults_.handle_fraction : settings.handle_fraction;
+       }});
+}
+
 void Panel::addPieces() {
-  auto* const pieces = prepared<QCheckBox>(
-      "pieces", tr("Small pieces inside the region or touching it, such as eyes and teeth, keep their distance to it; "
-                   "otherwise they stay"));
-  connect(pieces, &QCheckBox::clicked, this, [this](bool on) {
-    DragSettings settings = settings_;
-    settings.pieces = on;
-    change([settings](DragSession& session) { session.set_settings(settings); });
-  });
-  form_->addRow(pieces);
+  auto* const pieces = check("pieces", {},
+                             tr("Small pieces inside the region or touching it, such as eyes and teeth, keep their "
+                                "distance to it; otherwise they stay"),
+                             access<&DragSettings::pieces>());
   shown_.push_back([pieces](const DragSession& session) {
     const int count = session.figures().pieces;
     pieces->setVisible(count > 0 || !session.settings().pieces);
-    pieces->setChecked(session.settings().pieces);
     pieces->setText(count > 0 ? tr("Small pieces come along: %1").arg(count) : tr("Small pieces come along"));
   });
 }
@@ -207,7 +213,7 @@ void Panel::addRegion() {
                         "distance, such as eyes in a head, or a seam that is open; 0: off"),
                      access<&DragSettings::connect_gap>());
   gap->setSpecialValueText(tr("off"));
-  row(tr("Bring along within"), gap);
+  row(tr("Connect within"), gap);
 }
 
 void Panel::addView() {

@@ -9,9 +9,8 @@ using namespace lapedit;
 
 namespace {
 
-constexpr double DragSettings::*kMembers[] = {&DragSettings::handle_fraction, &DragSettings::padding,
-                                              &DragSettings::brush_pixels};
-const char* const kNames[] = {"handle_fraction", "padding", "brush"};
+constexpr double DragSettings::*kMembers[] = {&DragSettings::padding, &DragSettings::brush_pixels};
+const char* const kNames[] = {"padding", "brush"};
 const char* const kFalloff = "falloff";
 const char* const kGroup = "settings";
 const char* const kGizmo = "gizmo";

@@ -7,7 +7,7 @@
 
 #include "lapedit/session/drag_session.h"
 
-/// Stores the user's settings between runs of MeshLab. Lengths are not stored: they belong to a mesh.
+/// Stores the user's settings between runs of MeshLab. Sizes are not stored: they belong to a mesh.
 class RememberedSettings {
  public:
   RememberedSettings();

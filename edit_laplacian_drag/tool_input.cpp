@@ -362,7 +362,9 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
     settings.handle_fraction = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleFraction);
   } else {
     settings = active_->session().settings_at_cursor();
+    const double disc = disc_radius(settings);  // stays as it is
     settings.radius = threeDigits(settings.radius * std::pow(kRadiusPerNotch, notches));
+    settings.handle_fraction = std::min(disc / settings.radius, kLargestHandleFraction);
   }
   active_->session().set_settings(settings);
   saySettings(before);

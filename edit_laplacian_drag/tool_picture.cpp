@@ -79,6 +79,9 @@ void LaplacianDragTool::draw() {
     options.width = canvas.width();
     options.height = canvas.height();
     options.pixelRatio = canvas.devicePixelRatioF();
+    if (session.hover() && !session.motion() && isCovered()) {
+      session.leave();
+    }
     shown_.warning = shown_.warning && !session.warning().empty();
     const Colours colours = shown_.warning ? Colours::Stretch : shared_->panel().colours();
     options.colours = colours == Colours::RegionAtRest ? (session.motion() ? Colours::None : Colours::Region) : colours;

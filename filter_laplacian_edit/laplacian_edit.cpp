@@ -78,7 +78,7 @@ std::vector<Parameter> parameters() {
   };
   list.push_back(parameterOf(kMethod, Kind::Choice, 0));
   list.push_back(parameterOf(kLaplacian, Kind::Choice, kLaplacianOfMethod));
-  list.back().choices.prepend("Of the method");
+  list.back().choices.prepend("Default of the method");
   list.push_back(parameterOf(kOrder, Kind::Integer, EditSettings().order));
   list.push_back(parameterOf(kMembrane, Kind::Real, kMembraneOfMethod, " -1: that of the method."));
   return list;

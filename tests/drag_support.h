@@ -60,11 +60,11 @@ inline TriangleMesh stored(TriangleMesh mesh) {
 /// The key of a character, so that tests can write keys as they are typed: \r applies, \b cancels.
 inline DragKey key_of(char character) {
   static const std::map<char, DragKey> keys = {
-      {'.', DragKey::Point},     {'-', DragKey::Minus},      {'x', DragKey::LockX},     {'y', DragKey::LockY},
-      {'z', DragKey::LockZ},     {'n', DragKey::LockNormal}, {'t', DragKey::Translate}, {'r', DragKey::Rotate},
-      {'s', DragKey::Scale},     {'\r', DragKey::Apply},     {'\b', DragKey::Cancel},   {'c', DragKey::Curve},
-      {'g', DragKey::NextGroup}, {'w', DragKey::NewRegion},  {']', DragKey::Grow},      {'[', DragKey::Shrink},
-      {'p', DragKey::Pivot},     {'b', DragKey::Brush},      {'v', DragKey::Gizmo}};
+      {'.', DragKey::Point},  {'-', DragKey::Minus},     {'%', DragKey::Percent},    {'x', DragKey::LockX},
+      {'y', DragKey::LockY},  {'z', DragKey::LockZ},     {'n', DragKey::LockNormal}, {'t', DragKey::Translate},
+      {'r', DragKey::Rotate}, {'s', DragKey::Scale},     {'\r', DragKey::Apply},     {'\b', DragKey::Cancel},
+      {'c', DragKey::Curve},  {'g', DragKey::NextGroup}, {'w', DragKey::NewRegion},  {']', DragKey::Grow},
+      {'[', DragKey::Shrink}, {'p', DragKey::Pivot},     {'b', DragKey::Brush},      {'v', DragKey::Gizmo}};
   return character >= '0' && character <= '9' ? digit_key(character - '0') : keys.at(character);
 }
 
@@ -108,7 +108,6 @@ class Window {
   void change(const Change& changed) {
     DragSettings settings = session.settings();
     changed(settings);
-    settings.handle_scale = settings.radius;
     session.set_settings(settings);
     session.wait();
   }

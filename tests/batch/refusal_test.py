@@ -36,7 +36,7 @@ class Parameters(RefusalTest):
                 (r"rotation axis is \(0, 0, 0\)", {"rotation_axis": (0, 0, 0), "rotation_angle": 10}),
                 (r"not a finite number", {"rotation_angle": "inf"}),
                 (r"translation is not a finite number", {"translation": ("inf", 0, 0)}),
-                (r"laplacian is 5: give 0 \(Of the method\) or 1 \(Umbrella\) or 2 \(Cotangent\) or 3 \(Mean value\) or 4 \(Surface\)", {"laplacian": 5}),
+                (r"laplacian is 5: give 0 \(Default of the method\) or 1 \(Umbrella\) or 2 \(Cotangent\) or 3 \(Mean value\) or 4 \(Surface\)", {"laplacian": 5}),
                 (r"region_source is -1: give 0 \(", {"region_source": -1})):
             self.refused_edit(sentence, **change)
 

@@ -31,7 +31,7 @@ class Start(ToolTest):
 
     def test_panel_leaves_the_picture_its_width(self):
         groups = ["last_step", "paint", "region", "advanced", "statistics"]
-        basic = ["radius", "handle_fraction", "mode", "defaults", "pivot", "mirror", "gizmo", "move", "rotate", "scale",
+        basic = ["radius", "handle_fraction", "automatic", "mode", "defaults", "pivot", "mirror", "gizmo", "move", "rotate", "scale",
                  "undo", "redo", "reset", "save", "load", "help"]
         with self.open(self.mesh) as w:
             w.close_widget("layerDialog")  # which is higher, and as wide, as it likes
@@ -87,7 +87,7 @@ class Start(ToolTest):
             self.assertGreater(named, 36)
 
     def test_few_inputs_are_shown(self):
-        """At most 36, 16 of them in Basic, at rest and during a motion, when Apply and Cancel replace others."""
+        """At most 37, 17 of them in Basic, at rest and during a motion, when Apply and Cancel replace others."""
         kinds = ("NumberBox", "QSpinBox", "QSlider", "QComboBox", "QCheckBox", "QPushButton", "QLineEdit", "QListWidget")
 
         def shown(w):
@@ -106,8 +106,8 @@ class Start(ToolTest):
                 for group in groups:
                     w.set(group, True)
                 everything = shown(w)
-                self.assertLessEqual(len(basic), 16, basic)
-                self.assertLessEqual(len(everything), 36, everything)
+                self.assertLessEqual(len(basic), 17, basic)
+                self.assertLessEqual(len(everything), 37, everything)
                 for name in ("apply", "cancel"):
                     self.assertEqual(name in basic, moves)
                 for name in ("move", "rotate", "scale"):
@@ -161,6 +161,21 @@ class Features(ToolTest):
             self.assertEqual(second["handle"], first["handle"])
             self.assertGreater(second["region"], 1.2 * first["region"])
             self.assert_replay_is_the_same(w, self.scene)
+
+    def test_a_click_makes_the_sizes_automatic_again(self):
+        with self.start(self.scene, disc=20) as w:
+            self.assertTrue(w.widget(part("automatic"))["checked"])
+            w.set(part("padding"), 25)
+            w.x("mousemove", *self.on_screen(w, self.TOP), "sleep", 0.2, "click", 5, "click", 5, "click", 5)
+            self.settle(w)
+            self.assertFalse(w.widget(part("automatic"))["checked"])
+            self.click_on(w, part("automatic"))
+            self.assertTrue(w.widget(part("automatic"))["checked"])
+            self.assertEqual(w.widget(part("padding"))["value"], 25)
+            self.assertEqual(w.widget(part("handle_fraction"))["value"], 20)
+            self.drag_by_x(w, self.TOP, (40, 0))
+            radius = self.steps_of(w)[0]["region"]["radius"]
+            self.assertTrue(0.4 < radius < 0.75, radius)
 
     def test_small_piece_comes_along_until_a_click_excludes_it(self):
         with self.start(self.scene, disc=20) as w:
@@ -446,8 +461,9 @@ class Hover(ToolTest):
             radius = w.widget(part("radius"))["value"]
             found = re.match(r"Radius of the next region: ([\d.]+) \(Shift: handle size, Ctrl: zoom\)", self.message(w))
             self.assertAlmostEqual(float(found[1]), radius, delta=0.01 * radius)
+            self.assertAlmostEqual(w.widget(part("handle_fraction"))["value"], 20 / 1.1, delta=0.1)  # of the radius shown
             w.wheel(300, 300, 1, modifiers=["shift"])
-            self.assertRegex(self.message(w), "^Handle size: 25 %, ")
+            self.assertRegex(self.message(w), "^Handle size: 22.7 %, ")
             w.wheel(300, 300, 1, modifiers=["ctrl", "shift"])
             self.assertRegex(self.message(w), "^Padding: 12 % of the radius")
             w.move(303, 300)

@@ -319,7 +319,12 @@ class Layers(ToolTest):
             w.layer(0, current=True)
             before = w.dump(0)
             x, y = w.pixel(self.CENTRE, layer=0)
+            w.layer(1, visible=False)
             w.move(x, y)
+            w.wait_message("Vertex [0-9]+ at")
+            w.layer(1, visible=True)
+            w.move(x + 1, y)
+            self.assertNotRegex(self.message(w), "Vertex")  # which the other layer hides
             w.drag((x, y), (x + 30, y - 20))
             self.assert_same(before, w.dump(0))
             self.assertEqual(self.steps_in_log(w), [])

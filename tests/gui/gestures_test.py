@@ -6,8 +6,8 @@ import pathlib
 import shutil
 import unittest
 
-from tool import ToolTest, part
-from ply import Ply
+from tool import ToolTest, numbers_of, part
+from ply import Ply, write_ply
 
 WHEEL_UP, WHEEL_DOWN = 4, 5
 
@@ -138,6 +138,23 @@ class Gestures(ToolTest):
             self.x_pull(w, self.on_screen(w, self.CENTRE), (15, 20))
             self.assert_replay_is_the_same(w, self.mesh)
 
+    def test_fast_stroke_leaves_no_gap(self):
+        with self.window() as w:
+            w.set(part("group_paint"), True)
+            w.set(part("brush"), 8)
+            w.set(part("brush_target"), "Fixed")
+            w.x("mousemove", *self.on_screen(w, self.at(30, 8)), "mousedown", 1)
+            for vertex in (self.at(30, 32), self.at(14, 32)):
+                w.x("mousemove", *self.on_screen(w, vertex))
+            w.x("mouseup", 1)
+            self.settle(w)
+            self.x_key(w, "Escape")
+            self.x_pull(w, self.on_screen(w, self.CENTRE), (15, 20))
+            held = set(numbers_of(self.last_step(w)["region"]["held"]))
+            self.assertLessEqual({self.at(30, c) for c in range(8, 33)} | {self.at(r, 32) for r in range(14, 31)}, held)
+            self.assertFalse({self.at(20, c) for c in range(8, 25)} & held)
+            self.assert_replay_is_the_same(w, self.mesh)
+
     def test_chosen_groups_move_together(self):
         with self.window(disc=0) as w:
             groups = [self.at(20, 14), self.at(20, 18), self.at(23, 16)]
@@ -224,6 +241,48 @@ class Gestures(ToolTest):
             w.x("keyup", "Shift_L")
             self.settle(w)
             self.assertGreater(math.hypot(*self.last_step(w)["handles"][0]["translation"]), 0.01)
+
+    def test_scale_along_an_axis_by_a_percentage(self):
+        with self.window() as w:
+            before = w.dump().triples()
+            self.x_click(w, self.CENTRE)
+            self.x_key(w, "s", "y", "1", "0", "5", "percent")
+            self.assertRegex(self.message(w), "Scaling by 1.05 along Y")
+            self.x_key(w, "Return")
+            matrix = self.last_step(w)["handles"][0]["matrix"]
+            self.assertEqual([matrix[i] for i in (0, 1, 2, 4, 5, 6, 8, 9, 10)], [1, 0, 0, 0, 1.05, 0, 0, 0, 1])
+            beside, other = self.at(20, 21), self.at(21, 20)
+            after = w.dump().triples()
+            for vertex in (beside, other):
+                way = [a - b for a, b in zip(before[vertex], before[self.CENTRE])]
+                now = [a - b for a, b in zip(after[vertex], after[self.CENTRE])]
+                for axis in range(3):
+                    self.assertAlmostEqual(now[axis], (1, 1.05, 1)[axis] * way[axis], delta=2e-4)
+            self.assert_replay_is_the_same(w, self.mesh)
+
+    def test_pipe_bends_in_four_actions(self):
+        around, rings = 24, 60
+        points = [(3 * i / (rings - 1) - 1.5, 0.12 * math.cos(2 * math.pi * j / around),
+                   0.12 * math.sin(2 * math.pi * j / around)) for i in range(rings) for j in range(around)]
+        faces = [face for i in range(rings - 1) for j in range(around)
+                 for a, b in [(i * around + j, i * around + (j + 1) % around)]
+                 for face in [(a, b, a + around), (b, b + around, a + around)]]
+        mesh = write_ply(self.folder / "pipe.ply", points, faces)
+        with self.window(mesh=mesh) as w:
+            before = w.dump()
+            end = (rings - 3) * around + around // 4
+            self.x_click(w, end)
+            w.x("click", "--repeat", 12, "--delay", 20, WHEEL_UP)
+            self.settle(w)
+            self.x_key(w, "p", "p")
+            self.x_key(w, "r", "z", "3", "0", "Return")
+            after = w.dump()
+            moved = before.moved(after)
+            self.assertGreater(min(v // around for v in moved), rings // 4)
+            rim = [after.triples()[v] for v in range((rings - 1) * around, rings * around)]
+            along = [a - b for a, b in zip(rim[0], rim[around // 2])]  # was along Y
+            self.assertAlmostEqual(abs(math.degrees(math.atan2(along[0], along[1]))), 30, delta=3)
+            self.assert_replay_is_the_same(w, mesh)
 
     def test_last_step_takes_numbers_and_a_fraction(self):
         with self.window() as w:

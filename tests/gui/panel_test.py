@@ -16,14 +16,15 @@ class Values(ToolTest):
             w.set(part("method"), 2)
             w.set(part("membrane"), 123)
             w.set(part("radius"), 0.2)
-            values = {n: w.widget(part(n)) for n in ("handle_fraction", "membrane", "method", "gizmo", "padding")}
+            values = {n: w.widget(part(n)) for n in ("membrane", "method", "gizmo", "padding")}
         with self.open(self.mesh, keeps=True) as w:
             w.trigger(TOOL)
             for name, before in values.items():
                 now = w.widget(part(name))
                 for key in ("value", "currentIndex", "checked"):
                     self.assertEqual(now.get(key), before.get(key), name)
-            self.assertNotEqual(w.widget(part("radius"))["value"], 0.2)  # a length belongs to its mesh
+            self.assertNotEqual(w.widget(part("radius"))["value"], 0.2)  # sizes belong to their mesh
+            self.assertEqual(w.widget(part("handle_fraction"))["value"], 20)
             w.press_button(part("defaults"))
             self.assertEqual(w.widget(part("method"))["currentIndex"], 0)
             self.assertEqual(w.widget(part("padding"))["value"], 10)

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "lapedit/mesh/protrusion.h"
+#include "lapedit/mesh/ray_cast.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -176,7 +177,11 @@ double protrusion_at(const TriangleMesh& mesh, int vertex, double smallest, doub
   const Adjacency adjacency = support::adjacency_of(mesh);
   GeodesicSearch search({mesh, adjacency});
   const std::vector<int>& reached = search.run({vertex}, largest);
-  return protrusion_radius(mesh, adjacency, search, reached, smallest, largest);
+  double whole = 0;
+  for (int f = 0; f < mesh.faces.rows(); ++f) {
+    whole += area_normal(mesh, f).norm() / 2;
+  }
+  return protrusion_radius(mesh, adjacency, search, reached, smallest, largest, whole);
 }
 
 TEST_P(Sizes, ProtrusionEndsAtItsNeck) {

@@ -111,9 +111,8 @@ std::vector<int> brushed(const TriangleMesh& mesh, const Camera& view, const Vec
   if (!hit) {
     return {};
   }
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  GeodesicSearch search({mesh, adjacency});
-  return brushed_vertices(mesh, adjacency, Visibility(mesh), search, view, *hit, radius);
+  return brushed_vertices(mesh, support::adjacency_of(mesh), Visibility(mesh), view, {*hit}, pixel, pixel,
+                          radius / view.pixel_size(hit->point));
 }
 
 TEST(Brush, KeepsToItsRadiusAlongTheSurface) {
@@ -123,6 +122,29 @@ TEST(Brush, KeepsToItsRadiusAlongTheSurface) {
   EXPECT_TRUE(std::is_sorted(set.begin(), set.end()));
   EXPECT_TRUE(std::binary_search(set.begin(), set.end(), 40 * 20 + 23));
   EXPECT_FALSE(std::binary_search(set.begin(), set.end(), 40 * 20 + 24));
+}
+
+/// Also the surface that falls away from the viewer, and on each piece under the line.
+TEST(Brush, PaintsABandAsWideAsItsCircle) {
+  TriangleMesh mesh = shapes::together(shapes::grid(40, 20), shapes::grid(40, 20), Vector3(0, 20, 0));
+  mesh.vertices.col(2) = 2 * mesh.vertices.col(0);
+  const Camera view = support::view_from_above(mesh.vertices);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const Visibility visibility(mesh);
+  const Vector2 from = view.pixel(Vector3(20, 3, 40)), to = view.pixel(Vector3(20, 36, 40));
+  std::vector<SurfaceHit> hits;
+  for (const Vector2& pixel : {from, to}) {
+    hits.push_back(*visibility.first_hit(view.ray(pixel)));
+  }
+  const double radius = 3.5 / view.pixel_size(Vector3(20, 20, 40));
+  std::vector<int> expected;
+  for (int v = 0; v < mesh.vertices.rows(); ++v) {
+    const double beyond = std::max({3 - mesh.vertices(v, 1), mesh.vertices(v, 1) - 36, 0.0});
+    if (std::hypot(mesh.vertices(v, 0) - 20, beyond) <= 3.5) {
+      expected.push_back(v);
+    }
+  }
+  EXPECT_EQ(brushed_vertices(mesh, adjacency, visibility, view, hits, from, to, radius), expected);
 }
 
 TEST(Brush, ReachesTheNearSideOnlyHoweverLargeItIs) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "bodies.h"
 #include "drag_support.h"
 
 namespace lapedit::drag_features_test {
@@ -64,6 +65,47 @@ TEST_P(DragFeatures, FirstRadiusIsThatOfTheProtrusion) {
   EXPECT_EQ(window.session.settings().first_radius, usual);
 }
 
+const TriangleMesh& person() {
+  static const TriangleMesh mesh = shapes::person();  // takes a second
+  return mesh;
+}
+
+TEST(DragPerson, FirstRadiusIsThatOfALimbButNotOfTheBody) {
+  Window window(person(), support::view_from(Vector3(0, 0, 9), Vector3::Zero(), Vector3::UnitY()));
+  as_found(window);
+  const double usual = window.session.settings().first_radius;
+  const struct {
+    const char* name;
+    Vector3 at;
+    bool is_limb;
+  } spots[] = {{"belly", Vector3(0, 0.3, 0.3), false},       {"chest", Vector3(0.1, 0.7, 0.3), false},
+               {"thigh", Vector3(-0.2, -0.7, 0.2), false},   {"hip", Vector3(0.1, -0.35, 0.2), false},
+               {"hand", Vector3(1.05, -0.3, 0.16), true},    {"foot", Vector3(0.3, -1.6, 0.35), true},
+               {"forearm", Vector3(0.9, -0.05, 0.15), true}, {"shin", Vector3(0.27, -1.3, 0.1), true}};
+  for (const auto& spot : spots) {
+    window.session.clear();
+    window.click(support::vertex_at(window.session.mesh(), spot.at));
+    ASSERT_NE(window.session.shown().region(), nullptr) << spot.name;
+    EXPECT_EQ(window.session.settings().radius != usual, spot.is_limb) << spot.name;
+    EXPECT_LT(window.region().size(), window.session.mesh().vertices.rows() / 3) << spot.name;
+    EXPECT_FALSE(window.says("of its piece")) << spot.name;
+  }
+}
+
+TEST(DragPerson, RegionWithMostOfItsPieceSaysSo) {
+  Window window(person(), support::view_from(Vector3(0, 0, 9), Vector3::Zero(), Vector3::UnitY()));
+  const int belly = support::vertex_at(window.session.mesh(), Vector3(0, 0.3, 0.3));
+  window.change([](DragSettings& s) { s.radius = 1.8; });
+  window.press(belly);
+  window.session.wait();
+  EXPECT_TRUE(window.says("% of its piece")) << window.session.message();
+  window.session.move(window.at(belly, Vector2(30, 0)));
+  EXPECT_TRUE(window.says("% of its piece") && window.says("Moving by")) << window.session.message();
+  window.session.cancel();
+  window.change([](DragSettings& s) { s.radius = 0.8; });
+  EXPECT_FALSE(window.says("of its piece")) << window.session.message();
+}
+
 TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
   const auto [levels, size] = GetParam();
   Window window(creature(levels, false, size));
@@ -85,7 +127,7 @@ TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
   EXPECT_GT(window.session.settings().radius, 0.9 * size);
 }
 
-TEST_P(DragFeatures, HandleKeepsItsSizeWhenTheRadiusGrows) {
+TEST_P(DragFeatures, HandleIsAFractionOfTheRadiusShown) {
   const auto [levels, size] = GetParam();
   Window window(creature(levels, false, size));
   as_found(window);
@@ -94,6 +136,7 @@ TEST_P(DragFeatures, HandleKeepsItsSizeWhenTheRadiusGrows) {
   const std::size_t region = window.region().size();
   DragSettings settings = window.session.settings();
   settings.radius *= 1.5;
+  settings.handle_fraction /= 1.5;
   window.session.set_settings(settings);
   window.session.wait();
   EXPECT_EQ(window.session.selection().groups, handle);
@@ -102,11 +145,6 @@ TEST_P(DragFeatures, HandleKeepsItsSizeWhenTheRadiusGrows) {
   window.session.set_settings(settings);
   window.session.wait();
   EXPECT_GT(window.session.selection().groups.at(0).size(), handle.at(0).size());
-  // It is never larger than its region.
-  settings.radius /= 8;
-  window.session.set_settings(settings);
-  window.session.wait();
-  EXPECT_GT(window.region().size(), window.session.selection().groups.at(0).size());
 }
 
 TEST_P(DragFeatures, EyeComesAlongUnlessItIsExcluded) {

@@ -109,6 +109,40 @@ TEST(DragMotion, ScaleIsTheGrowthOfTheDistanceFromTheCenter) {
   EXPECT_GT(m.transform().scale, 0);
 }
 
+TEST(DragMotion, ScaleWithALockIsAlongItsAxisAlone) {
+  const Camera view = oblique();
+  const Vector3 pivot(0, 4, 1);
+  DragMotion m(MotionKind::Scale, kCenter, kCenter, Vector3::UnitZ(), over(view, kCenter), pivot);
+  m.toggle_lock(AxisLock::Y);
+  EXPECT_FALSE(m.moves());
+  for (const char c : std::string("105%")) {
+    EXPECT_TRUE(m.type(c));
+  }
+  const Affine map = resolve(m.transform(), kCenter).map;
+  EXPECT_LT((map * pivot - pivot).norm(), 1e-12);
+  EXPECT_LT((map * Vector3(2, 3, 5) - Vector3(2, 4 - 1.05, 5)).norm(), 1e-12);
+  EXPECT_TRUE(m.moves());
+  EXPECT_EQ(m.text(), "Scaling by 1.05 along Y (typed 105%)");
+  m.toggle_lock(AxisLock::Y);
+  EXPECT_FALSE(m.transform().matrix);
+  EXPECT_EQ(m.transform().scale, 1.05);
+}
+
+TEST(DragMotion, TypedPercentagesAreOfTheRadiusAndOfARevolution) {
+  const Camera view = oblique();
+  for (const MotionKind kind : {MotionKind::Translate, MotionKind::Rotate}) {
+    DragMotion m(kind, kCenter, kCenter, Vector3::UnitZ(), over(view, kCenter), std::nullopt, 8);
+    EXPECT_FALSE(m.type('%')) << "without a number";
+    for (const char c : std::string("25%")) {
+      EXPECT_TRUE(m.type(c));
+    }
+    EXPECT_FALSE(m.type('%'));
+    EXPECT_FALSE(m.type('5'));
+    EXPECT_EQ(kind == MotionKind::Translate ? m.transform().translation.z() : m.transform().degrees,
+              kind == MotionKind::Translate ? 2 : 90);
+  }
+}
+
 TEST(DragMotion, TypedAmountReplacesTheMouse) {
   const Camera view = oblique();
   DragMotion m = motion(MotionKind::Translate, over(view, kCenter), Vector3(0, 0, 5));

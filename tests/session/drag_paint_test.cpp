@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "drag_support.h"
+#include "lapedit/mesh/vertex_set.h"
 
 // What is painted as a whole, curves of the handle's fall-off, and drags about a pivot.
 namespace lapedit::drag_paint_test {
@@ -12,7 +13,7 @@ namespace {
 
 using support::Window;
 
-constexpr PressModifiers kShift{false, true};
+constexpr PressModifiers kAdd{true, false}, kShift{false, true};
 
 constexpr int at(int i, int j) {
   return 60 * i + j;
@@ -62,6 +63,65 @@ TEST(DragPaint, EachTargetIsPaintedWithoutAKey) {
   window.drag(kMiddle, Vector2(0, 20));
   EXPECT_EQ(window.session.figures().steps, 1);
   window.expect_consistent();
+}
+
+/// Presses and goes to two further vertices with a single move each.
+void corner(Window& window, int from, int middle, int to) {
+  window.press(from);
+  window.session.move(window.at(middle));
+  window.session.move(window.at(to));
+  window.session.release(window.at(to));
+}
+
+/// Returns the vertices that are at most so many pixels from the way between two vertices.
+std::vector<int> band(const Window& window, int from, int to, double pixels) {
+  std::vector<int> near;
+  const Vector2 start = window.at(from).pixel, way = window.at(to).pixel - start;
+  for (int v = 0; v < window.session.mesh().vertices.rows(); ++v) {
+    const Vector2 off = window.at(v).pixel - start;
+    const double along = std::clamp(off.dot(way) / way.squaredNorm(), 0.0, 1.0);
+    if ((off - along * way).norm() <= pixels) {
+      near.push_back(v);
+    }
+  }
+  return near;
+}
+
+TEST(DragPaint, StrokeIsABandAlongItsPath) {
+  Window window(shapes::grid(60, 60));
+  with_brush(window);
+  window.session.set(&Tools::paint, BrushTarget::Anchors);
+  corner(window, at(10, 10), at(10, 50), at(50, 50));
+  const double pixels = window.session.settings().brush_pixels;
+  const std::vector<int> expected =
+      united(band(window, at(10, 10), at(10, 50), pixels), band(window, at(10, 50), at(50, 50), pixels));
+  EXPECT_EQ(window.session.selection().held, expected);
+  window.undo();
+  EXPECT_TRUE(window.session.selection().held.empty()) << "a stroke is one action";
+}
+
+TEST(DragPaint, MovesThatWaitForAStepArePaintedToo) {
+  std::vector<int> painted[2];
+  for (const bool waits : {false, true}) {
+    Window window(shapes::grid(60, 60));
+    with_brush(window);
+    window.press(at(30, 20));
+    window.session.move(window.at(at(30, 22)));
+    window.session.release(window.at(at(30, 22)));
+    if (!waits) {
+      window.session.wait();
+    }
+    ASSERT_EQ(window.session.state() == DragSession::State::Settling, waits);
+    window.session.press(window.at(at(50, 10)), kAdd);
+    for (const int v : {at(50, 50), at(10, 50)}) {
+      window.session.move(window.at(v));
+    }
+    window.session.release(window.at(at(10, 50)));
+    window.session.wait();
+    painted[waits] = window.session.selection().region.vertices;
+  }
+  EXPECT_TRUE(has(painted[0], at(50, 40)) && has(painted[0], at(40, 50)));
+  EXPECT_EQ(painted[1], painted[0]);
 }
 
 TEST(DragPaint, InvertBlurAndClearChangeTheTargetAndAreUndone) {

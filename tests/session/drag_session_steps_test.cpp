@@ -704,6 +704,7 @@ TEST(DragSteps, LoadedFitIsAStepAmongOthers) {
   window.session.wait();
   ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
   EXPECT_EQ(window.session.timeline().done()[0].name, "Fit to a scan");
+  EXPECT_TRUE(window.says("Press on the surface")) << window.session.message();
   const TriangleMesh& mesh = window.session.original();
   const Points fitted = support::edited(mesh, apply_edit(mesh, with_scans(edit, reader), 1, StoredScalar::Float));
   EXPECT_TRUE(same_bits(window.host(), fitted));

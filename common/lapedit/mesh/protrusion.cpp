@@ -51,8 +51,8 @@ struct Profile {
 }  // namespace
 
 double protrusion_radius(const TriangleMesh& mesh, const Adjacency& adjacency, const GeodesicSearch& search,
-                         const std::vector<int>& reached, double smallest, double largest) {
-  constexpr double kNarrow = 0.6, kSpreads = 1.5, kSame = 1.15;
+                         const std::vector<int>& reached, double smallest, double largest, double whole) {
+  constexpr double kNarrow = 0.6, kSpreads = 1.5, kSame = 1.15, kMostOfPiece = 0.25;
   constexpr double kPlane = 12.566370614359172;
   Profile profile;
   profile.step = std::min(largest, reached.empty() ? 0 : search.distance(reached.back())) / kRadii;
@@ -85,7 +85,7 @@ double protrusion_radius(const TriangleMesh& mesh, const Adjacency& adjacency, c
       narrowest = std::min(narrowest, ratio);
       last = k;
     } else if (last >= 0 && ratio >= kSpreads * narrowest) {
-      return last * profile.step;
+      return profile.area[last] <= kMostOfPiece * whole ? last * profile.step : 0;
     }
   }
   return 0;

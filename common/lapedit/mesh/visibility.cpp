@@ -10,6 +10,8 @@
 #include <unsupported/Eigen/BVH>
 #include <utility>
 
+#include "lapedit/mesh/vertex_set.h"
+
 namespace lapedit {
 namespace {
 
@@ -159,40 +161,54 @@ std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray, double limit, in
 }
 
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
-                                  GeodesicSearch& search, const Camera& view, const SurfaceHit& hit, double radius) {
+                                  const Camera& view, const std::vector<SurfaceHit>& hits, const Vector2& from,
+                                  const Vector2& to, double radius) {
   constexpr double kPixels = 2;
-  const Vector3 viewer = view.toward_viewer(hit.point);
-  const double slot = kPixels * view.pixel_size(hit.point);
-  const int side = area_normal(mesh, hit.face).dot(viewer) < 0 ? -1 : 1;
-  std::vector<char> visible(mesh.vertices.rows(), 0);
-  std::map<std::array<double, 3>, bool> shown;  // by pixel and depth: dense meshes have many vertices in each
-  for (const int v : search.run({hit.vertex}, radius)) {
-    const Vector3 position = mesh.vertices.row(v).transpose();
-    if (!visibility.shows_side(view, adjacency, v, side)) {
-      continue;
-    }
-    const Vector2 pixel = view.pixel(position) / kPixels;
-    const auto [place, is_new] = shown.try_emplace(
-        {std::floor(pixel.x()), std::floor(pixel.y()), std::floor(viewer.dot(position - hit.point) / slot)});
-    if (is_new) {
-      place->second = visibility.sees(view, adjacency, v, side);
-    }
-    visible[v] = place->second;
-  }
-  if (!visible[hit.vertex]) {
-    return {};
-  }
-  std::vector<int> result{hit.vertex};
-  visible[hit.vertex] = 0;  // lists each vertex once
-  for (std::size_t k = 0; k < result.size(); ++k) {
-    for (const int w : adjacency.neighbours[result[k]]) {
-      if (std::exchange(visible[w], 0)) {
-        result.push_back(w);
+  const Vector2 way = to - from;
+  const double squared = way.squaredNorm();
+  const auto is_near = [&](const Vector2& pixel) {
+    const double along = squared > 0 ? std::clamp((pixel - from).dot(way) / squared, 0.0, 1.0) : 0;
+    return (pixel - from - along * way).norm() <= radius;
+  };
+  std::vector<int> all;
+  for (const int side : {-1, 1}) {
+    std::vector<char> known(mesh.vertices.rows(), 0);
+    std::map<std::array<double, 3>, bool> shown;  // by pixel and depth: dense meshes have many vertices in each
+    std::vector<int> found;
+    const auto look = [&](int v, bool anywhere) {
+      const Vector3 position = mesh.vertices.row(v).transpose();
+      const Vector2 pixel = view.pixel(position);
+      if (known[v] || !(anywhere || is_near(pixel)) || !visibility.shows_side(view, adjacency, v, side)) {
+        return;
+      }
+      known[v] = 1;
+      const Vector3& origin = hits.front().point;
+      const double depth = view.toward_viewer(origin).dot(position - origin) / view.pixel_size(origin);
+      const Eigen::Array3d slot = (Eigen::Array3d(pixel.x(), pixel.y(), depth) / kPixels).floor();
+      const auto [place, is_new] = shown.try_emplace({slot.x(), slot.y(), slot.z()});
+      if (is_new) {
+        place->second = visibility.sees(view, adjacency, v, side);
+      }
+      if (place->second) {
+        found.push_back(v);
+      }
+    };
+    for (const SurfaceHit& hit : hits) {
+      if ((area_normal(mesh, hit.face).dot(view.toward_viewer(hit.point)) < 0) == (side < 0)) {
+        look(hit.vertex, true);
+        for (const int corner : mesh.faces.row(hit.face)) {
+          look(corner, false);
+        }
       }
     }
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      for (const int w : adjacency.neighbours[found[k]]) {
+        look(w, false);
+      }
+    }
+    all.insert(all.end(), found.begin(), found.end());
   }
-  std::sort(result.begin(), result.end());
-  return result;
+  return sorted_set(std::move(all));
 }
 
 }  // namespace lapedit

@@ -36,11 +36,14 @@ class Visibility {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Returns the vertices within a distance of a hit along the surface that are visible from the side that was hit and
-/// connected through visible vertices, so that a brush does not reach hidden parts. Vertices within about two pixels of
-/// each other, in depth as well, hide or show together. Ascending; empty if hit.vertex itself is hidden.
-/// @param search  over the mesh
+/// Returns the vertices that a brush paints on its way between two pixels: those within its radius of the line between
+/// them that are visible from the side that was hit and connected through such vertices to a hit, so that a brush does
+/// not reach hidden parts. The vertex of a hit counts at any distance. Vertices within about two pixels of each other,
+/// in depth as well, hide or show together. Ascending.
+/// @param hits    of the surface under the line
+/// @param radius  pixels
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
-                                  GeodesicSearch& search, const Camera& view, const SurfaceHit& hit, double radius);
+                                  const Camera& view, const std::vector<SurfaceHit>& hits, const Vector2& from,
+                                  const Vector2& to, double radius);
 
 }  // namespace lapedit

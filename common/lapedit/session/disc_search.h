@@ -22,11 +22,6 @@ class DiscSearch {
     }
     return *reached_;
   }
-  /// Returns the search for another use.
-  GeodesicSearch& borrow() {
-    reached_ = nullptr;
-    return search_;
-  }
   double distance(int vertex) const { return search_.distance(vertex); }
 
  private:

@@ -11,6 +11,7 @@ enum class DragKey : unsigned char {
   Digit9 = Digit0 + 9,
   Point,
   Minus,
+  Percent,
   LockX,
   LockY,
   LockZ,
@@ -47,11 +48,15 @@ inline constexpr KeyHelp kKeyHelp[] = {
     {DragKey::Digit0, DragKey::Digit9, "0-9", "Gives an exact amount: a length, degrees or a factor."},
     {DragKey::Point, DragKey::Point, ".", "Begins the decimals of an amount."},
     {DragKey::Minus, DragKey::Minus, "-", "Changes the sign of an amount."},
-    {DragKey::LockX, DragKey::LockX, "X", "Moves along, or turns about, the X axis of the mesh; again: free."},
-    {DragKey::LockY, DragKey::LockY, "Y", "Moves along, or turns about, the Y axis of the mesh; again: free."},
-    {DragKey::LockZ, DragKey::LockZ, "Z", "Moves along, or turns about, the Z axis of the mesh; again: free."},
+    {DragKey::Percent, DragKey::Percent, "%", "Makes the amount a percentage: of a size, a revolution or the radius."},
+    {DragKey::LockX, DragKey::LockX, "X",
+     "Moves or scales along, or turns about, the X axis of the mesh; again: free."},
+    {DragKey::LockY, DragKey::LockY, "Y",
+     "Moves or scales along, or turns about, the Y axis of the mesh; again: free."},
+    {DragKey::LockZ, DragKey::LockZ, "Z",
+     "Moves or scales along, or turns about, the Z axis of the mesh; again: free."},
     {DragKey::LockNormal, DragKey::LockNormal, "N",
-     "Moves along, or turns about, the surface normal at the handle; again: free."},
+     "Moves or scales along, or turns about, the surface normal at the handle; again: free."},
     {DragKey::Translate, DragKey::Translate, "T", "Moves the handle with the mouse, no button held."},
     {DragKey::Rotate, DragKey::Rotate, "R", "Turns a handle of several vertices with the mouse, no button held."},
     {DragKey::Scale, DragKey::Scale, "S", "Scales a handle of several vertices with the mouse, no button held."},
@@ -80,12 +85,15 @@ constexpr DragKey digit_key(int digit) {
   return static_cast<DragKey>(static_cast<int>(DragKey::Digit0) + digit);
 }
 
-/// Returns the character that a key adds to an amount, 0-9 . or -; none for other keys.
+/// Returns the character that a key adds to an amount, 0-9 . - or %; none for other keys.
 constexpr std::optional<char> typed_character(DragKey key) {
   if (key <= DragKey::Digit9) {
     return static_cast<char>('0' + static_cast<int>(key));
   }
-  return key == DragKey::Point ? std::optional('.') : key == DragKey::Minus ? std::optional('-') : std::nullopt;
+  return key == DragKey::Point     ? std::optional('.')
+         : key == DragKey::Minus   ? std::optional('-')
+         : key == DragKey::Percent ? std::optional('%')
+                                   : std::nullopt;
 }
 
 }  // namespace lapedit

@@ -79,7 +79,8 @@ double snapped(double amount, double step) {
 HandleTransform usable(const HandleTransform& transform) {
   const bool finite = transform.translation.allFinite() && transform.axis.allFinite() &&
                       std::isfinite(transform.degrees) && std::isfinite(transform.scale) &&
-                      (!transform.center || transform.center->allFinite());
+                      (!transform.center || transform.center->allFinite()) &&
+                      (!transform.matrix || transform.matrix->allFinite());
   const bool turns = transform.degrees == 0 || transform.axis.stableNorm() > 0;
   return finite && turns ? transform : HandleTransform();
 }
@@ -95,12 +96,13 @@ std::string digits(double amount) {
 }  // namespace
 
 DragMotion::DragMotion(MotionKind kind, const Vector3& grab, const Vector3& centroid, const Vector3& normal,
-                       const Cursor& cursor, const std::optional<Vector3>& pivot)
+                       const Cursor& cursor, const std::optional<Vector3>& pivot, double radius)
     : kind_(kind),
       grab_(grab),
       center_(pivot.value_or(centroid)),
       normal_(normal),
       names_center_(pivot.has_value()),
+      radius_(radius),
       start_(cursor),
       cursor_(cursor) {
   const double length = normal_.stableNorm();
@@ -266,8 +268,10 @@ bool DragMotion::type(char character) {
     }
     return true;
   }
-  const bool digit = character >= '0' && character <= '9';
-  if ((!digit && !(character == '.' && typed_.find('.') == std::string::npos)) || typed_.size() >= kMostDigits) {
+  const bool fits = character == '%'   ? number(typed_).has_value()
+                    : character == '.' ? typed_.find('.') == std::string::npos
+                                       : character >= '0' && character <= '9';
+  if (!fits || typed_.find('%') != std::string::npos || typed_.size() >= kMostDigits) {
     return false;
   }
   typed_ += character;
@@ -307,7 +311,7 @@ HandleTransform DragMotion::transform_by_mouse() const {
 }
 
 double DragMotion::step() const {
-  if (!cursor_.snap || number(typed_) || (cursor_.target && kind_ == MotionKind::Translate)) {
+  if (!cursor_.snap || amount() || (cursor_.target && kind_ == MotionKind::Translate)) {
     return 0;
   }
   return kind_ == MotionKind::Rotate  ? kAngleStep
@@ -316,12 +320,28 @@ double DragMotion::step() const {
 }
 
 HandleTransform DragMotion::transform() const {
-  return usable(wanted());
+  const HandleTransform transform = usable(wanted());
+  if (kind_ != MotionKind::Scale || !axis() || transform.scale == 1) {
+    return transform;
+  }
+  HandleTransform along;
+  const Matrix3 grown = (transform.scale - 1) * *axis() * axis()->transpose();
+  along.matrix.emplace() << Matrix3::Identity() + grown, -grown * center_;
+  return usable(along);
+}
+
+/// Returns the number that was typed, as a length, an angle in degrees or a factor.
+std::optional<double> DragMotion::amount() const {
+  std::optional<double> amount = number(typed_);
+  if (amount && typed_.back() == '%') {
+    *amount *= (kind_ == MotionKind::Rotate ? 360 : kind_ == MotionKind::Scale ? 1 : radius_) / 100;
+  }
+  return amount;
 }
 
 HandleTransform DragMotion::wanted() const {
   HandleTransform transform = transform_by_mouse();
-  const std::optional<double> amount = number(typed_);
+  const std::optional<double> amount = this->amount();
   const double step = this->step();
   switch (kind_) {
     case MotionKind::Translate: {
@@ -356,7 +376,7 @@ HandleTransform DragMotion::wanted() const {
 
 bool DragMotion::moves() const {
   const HandleTransform now = transform();
-  return !now.translation.isZero(0) || now.degrees != 0 || now.scale != 1;
+  return !now.translation.isZero(0) || now.degrees != 0 || now.scale != 1 || now.matrix;
 }
 
 std::string motion_text(const HandleTransform& motion) {
@@ -376,11 +396,11 @@ std::string motion_text(const HandleTransform& motion) {
 }
 
 std::string DragMotion::text() const {
-  const HandleTransform now = transform();
+  const HandleTransform now = usable(wanted());
   const std::optional<Vector3> held = axis();
   std::string line;
   if (kind_ == MotionKind::Scale) {
-    line = "Scaling by " + digits(now.scale);
+    line = "Scaling by " + digits(now.scale) + (held ? " along " + name(lock_, *held) : "");
   } else if (kind_ == MotionKind::Rotate) {
     line = "Turning by " + digits(now.degrees) + " degrees" + (held ? " about " + name(lock_, *held) : "");
   } else {

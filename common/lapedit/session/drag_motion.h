@@ -28,18 +28,20 @@ std::string motion_text(const HandleTransform& motion);
 /// Translation follows the cursor in the plane parallel to the image, or along the locked axis to the point nearest to
 /// the cursor's ray. Rotation is about the line of sight or the locked axis, by the angle of the cursor about the
 /// centre on the screen, or along a gizmo's ring. Scale is the ratio of the cursor's distances from the centre on the
-/// screen. With Cursor::snap angles go in steps of 15 degrees, factors in steps of 0.1, and lengths in steps of 1, 2 or
-/// 5 times a power of ten that show as 10 to 25 pixels. A typed number replaces the amount of the mouse; a typed angle
-/// counts in the direction of the mouse. With Cursor::target a translation takes the grabbed point there, with a lock
-/// as near as the axis goes. The view may change during a motion.
+/// screen; with a locked axis it is along that axis alone. With Cursor::snap angles go in steps of 15 degrees, factors
+/// in steps of 0.1, and lengths in steps of 1, 2 or 5 times a power of ten that show as 10 to 25 pixels. A typed number
+/// replaces the amount of the mouse; a typed angle counts in the direction of the mouse; 100 % are the factor 1, a
+/// revolution or the region's radius. With Cursor::target a translation takes the grabbed point there, with a lock as
+/// near as the axis goes. The view may change during a motion.
 class DragMotion {
  public:
   /// @param grab      the point of the surface that is to stay under the cursor
   /// @param centroid  of the handle group: centre of rotation and scale without a pivot
   /// @param normal    of the surface at the handle, any length; zero if it has none
   /// @param pivot     another centre of rotation and scale, which transform() then names
+  /// @param radius    of the region
   DragMotion(MotionKind kind, const Vector3& grab, const Vector3& centroid, const Vector3& normal, const Cursor& cursor,
-             const std::optional<Vector3>& pivot = std::nullopt);
+             const std::optional<Vector3>& pivot = std::nullopt, double radius = 1);
 
   /// Locks the motion to an axis of a gizmo, of any length but zero.
   void hold(const Vector3& axis);
@@ -59,7 +61,7 @@ class DragMotion {
   const Vector3& arm() const { return arm_; }
 
   void move(const Cursor& cursor);
-  /// Adds 0-9 . or - (which changes the sign). @return false if that gives no number
+  /// Adds 0-9 . % or - (which changes the sign). @return false if that gives no number
   bool type(char character);
 
   /// Returns a transform that can always be resolved; the identity where the view gives no number.
@@ -72,6 +74,7 @@ class DragMotion {
   Vector3 translation_by_mouse() const;
   double along_axis(const Cursor& cursor, double otherwise) const;
   HandleTransform transform_by_mouse() const;
+  std::optional<double> amount() const;
   HandleTransform wanted() const;
   double angle_at(const Cursor& cursor) const;
   double screen_angle(const Cursor& cursor) const;
@@ -85,6 +88,7 @@ class DragMotion {
   AxisLock lock_ = AxisLock::None;
   Vector3 grab_, center_, normal_;
   bool names_center_;  // the centre is not the default one of a transform
+  double radius_;
   Vector3 gizmo_axis_ = Vector3::Zero();
   Vector3 arm_ = Vector3::Zero();
   Vector3 sight_;          // from the centre towards the viewer, when the motion began

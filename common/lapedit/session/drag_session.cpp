@@ -48,10 +48,13 @@ std::string DragSession::message() const {
   if (solver_.waits()) {
     return solver_.in<Loading>() ? messages::kLoading : messages::kSolving;
   }
+  const bool is_large = model_.part_of_piece > 0.5 && model_.selection.region.kind != RegionSpec::Kind::Component &&
+                        model_.has_active_group() && model_.shown.held_by_nothing() == 0 && !model_.tools.paint;
+  std::string text = is_large ? messages::large_region(model_.part_of_piece) : std::string();
   if (const Dragging* const drag = solver_.in<Dragging>()) {
-    return messages::dragging(drag->motion, drag->by_button, solver_.figures().full_frames);
+    return text + messages::dragging(drag->motion, drag->by_button, solver_.figures().full_frames);
   }
-  std::string text = next_click();
+  text += next_click();
   if (model_.tools.pivot != Pivot::Centroid && !model_.tools.awaits_pivot() && !model_.tools.paint) {
     text += model_.tools.pivot == Pivot::Rim ? messages::kTurnsAboutRim : messages::kTurnsAboutPoint;
   }
@@ -151,7 +154,6 @@ DragSettings DragSession::settings_at_cursor() const {
   if (const HoverPreview* const preview = hover();
       preview && preview->kind == HoverPreview::Kind::Region && preview->radius > 0 && !model_.selection.has_region) {
     settings.radius = preview->radius;
-    settings.handle_scale = settings.first_radius > 0 ? preview->radius : settings.handle_scale;
   }
   return settings;
 }
@@ -309,7 +311,7 @@ void DragSession::inherit(const Inheritance& before) {
   set_tools(tools);
   DragSettings settings = before.settings;
   if (settings.first_radius > 0) {  // the radius is that of a protrusion
-    settings.radius = settings.handle_scale = settings.first_radius;
+    settings.radius = settings.first_radius;
   }
   set_settings(settings);
   earlier_ = before.saved;

@@ -10,16 +10,12 @@
 
 namespace lapedit {
 
-double disc_radius(const DragSettings& settings) {
-  return std::min(settings.handle_fraction * settings.handle_scale, kLargestHandleFraction * settings.radius);
-}
-
 DragSettings settings_for(const TriangleMesh& mesh) {
   constexpr double kRadiusOfDiagonal = 0.15;
   DragSettings settings;
   const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
-  settings.radius = settings.first_radius = settings.handle_scale = diagonal > 0 ? kRadiusOfDiagonal * diagonal : 1;
+  settings.radius = settings.first_radius = diagonal > 0 ? kRadiusOfDiagonal * diagonal : 1;
   return settings;
 }
 
@@ -33,7 +29,6 @@ void validate(const DragSettings& settings) {
   } ranges[] = {
       {"region's radius", settings.radius, kShortest, kLongest, "a finite length greater than 0"},
       {"first radius", settings.first_radius, 0, kLongest, "a finite length, or 0 for the radius given"},
-      {"scale of the handle's size", settings.handle_scale, 0, kLongest, "a finite length"},
       {"padding", settings.padding, 0, 1, "a fraction of the region's radius from 0 to 1"},
       {"handle's size", settings.handle_fraction, 0, kLargestHandleFraction,
        "a number from 0, a single vertex, to 0.9"},

@@ -20,8 +20,7 @@ struct DragSettings {
   /// there is none. Another radius, which a user sets, makes it 0.
   double first_radius = 0;
   double padding = 0.1;          ///< see RegionSpec
-  double handle_fraction = 0.2;  ///< radius of the handle's disc over handle_scale; 0: the clicked vertex alone
-  double handle_scale = 0;       ///< the radius before a user changed it, so that the handle keeps its size
+  double handle_fraction = 0.2;  ///< radius of the handle's disc over the region's; 0: the clicked vertex alone
   Falloff falloff = Falloff::Even;
   double connect_gap = 0;    ///< pieces nearer than this form one region, model units; 0: pieces stay separate
   bool pieces = true;        ///< see RegionSpec::pieces
@@ -38,8 +37,10 @@ enum class HandleMode {
 /// Largest fraction of a region's radius: the remainder has to follow the handle.
 constexpr double kLargestHandleFraction = 0.9;
 
-/// Returns the radius of the disc of a click: at most kLargestHandleFraction of the region's.
-double disc_radius(const DragSettings& settings);
+/// Returns the radius of the disc of a click.
+inline double disc_radius(const DragSettings& settings) {
+  return settings.handle_fraction * settings.radius;
+}
 
 /// Returns the initial settings of a session with a mesh.
 DragSettings settings_for(const TriangleMesh& mesh);

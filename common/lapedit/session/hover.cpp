@@ -33,7 +33,27 @@ HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
       near_(kOfSize * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm()),
       discs_(mesh, adjacency),
       paths_(adjacency.neighbours, mesh.vertices),
-      search_({mesh, adjacency}) {}
+      piece_area_(connected_components(adjacency.neighbours, piece_)),
+      search_({mesh, adjacency}) {
+  add_areas(usable_vertices(mesh), piece_area_);
+}
+
+/// Adds to each piece a third of the area of each face at its vertices.
+void HoverSearch::add_areas(const std::vector<int>& vertices, std::vector<double>& areas) const {
+  for (const int v : vertices) {
+    for (const int f : adjacency_.faces[v]) {
+      const double area = area_normal(mesh_, f).norm() / 6;
+      areas[piece_[v]] += std::isfinite(area) ? area : 0;
+    }
+  }
+}
+
+double HoverSearch::part_of_piece(const std::vector<int>& vertices) const {
+  std::vector<double> areas(piece_area_.size());
+  add_areas(vertices, areas);
+  const auto most = std::max_element(areas.begin(), areas.end());
+  return most != areas.end() && *most > 0 ? *most / piece_area_[most - areas.begin()] : 0;
+}
 
 std::optional<SurfaceHit> HoverSearch::hit(const Camera& view, const Vector2& pixel) const {
   std::optional<SurfaceHit> hit = faces_.first_hit(view.ray(pixel));
@@ -53,7 +73,8 @@ HoverOutlines HoverSearch::outlines(const HoverQuery& query) {
   found.disc_radius = query.disc;
   if (query.largest > 0) {
     const std::vector<int>& reached = search_.run({query.vertex}, query.largest, nullptr, kMostVertices);
-    const double neck = protrusion_radius(mesh_, adjacency_, search_, reached, query.smallest, query.largest);
+    const double neck = protrusion_radius(mesh_, adjacency_, search_, reached, query.smallest, query.largest,
+                                          piece_area_[piece_[query.vertex]]);
     found.radius = std::clamp(neck > 0 ? kAround * neck : query.radius, query.smallest, query.largest);
     found.disc_radius *= found.radius;
   }

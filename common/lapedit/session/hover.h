@@ -72,6 +72,8 @@ class HoverSearch {
   /// @param from  -1: none
   void path(int from, int to, Points& positions);
 
+  /// Returns the fraction of a piece's area that vertices have: of the piece of which they have the most. O(pieces).
+  double part_of_piece(const std::vector<int>& vertices) const;
   /// O(kMostVertices) at most.
   HoverOutlines outlines(const HoverQuery& query);
 
@@ -79,6 +81,7 @@ class HoverSearch {
 
  private:
   void outline(int vertex, HoverOutlines& found, bool with_region);
+  void add_areas(const std::vector<int>& vertices, std::vector<double>& areas) const;
 
   const TriangleMesh& mesh_;
   const Adjacency& adjacency_;
@@ -88,6 +91,8 @@ class HoverSearch {
   DiscSearch discs_;
   ShortestPaths paths_;
   int paths_from_ = -1;
+  std::vector<int> piece_;  // of each vertex
+  std::vector<double> piece_area_;
   // Of outlines().
   GeodesicSearch search_;
   std::vector<double> ends_;  // scratch: coordinates of segments

@@ -13,6 +13,10 @@ std::string drag_handles(std::size_t moving, std::size_t all) {
       all);
 }
 
+std::string large_region(double part) {
+  return format_text("The region has %.0f %% of its piece: turn the wheel for a smaller one. ", 100 * part);
+}
+
 std::string dragging(const DragMotion& motion, bool by_button, bool full_frames) {
   const char* const pattern =
       by_button ? "%s: release to apply, Esc cancels; X Y Z N lock an axis, Ctrl moves in steps, digits set the amount."

@@ -35,6 +35,7 @@ constexpr const char* kPaints[] = {"Paint the region; Shift removes from it. Esc
 constexpr const char* kTurnsAboutRim = " A drag turns about the shoulder (edge of the region); Shift moves.";
 constexpr const char* kTurnsAboutPoint = " A drag turns about the point picked; Shift moves.";
 std::string drag_handles(std::size_t moving, std::size_t all);
+std::string large_region(double part);  ///< begins a text
 constexpr const char* kBendCurve =
     "Drag a point of the curve to bend it, the line between points to move all of it; click inside the region for "
     "another handle.";

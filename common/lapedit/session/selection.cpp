@@ -509,7 +509,7 @@ Selection selection_of(const EditStep& step, const std::vector<int>& moved, cons
   after.discs.centers.resize(after.groups.size());
   after.discs.curves.resize(after.groups.size());
   after.region = step.region;
-  after.has_region = true;
+  after.has_region = !step.fit || !step.handles.empty();
   return with_padding(std::move(after), settings);
 }
 

@@ -129,19 +129,13 @@ void SessionMouse::move(const Cursor& cursor) {
   if (!cursor.view.valid()) {
     return;
   }
-  if (!waiting_.empty()) {  // only the last of several moves matters
-    if (waiting_.back().kind == Event::Kind::Move) {
-      waiting_.pop_back();
-    }
+  if (!waiting_.empty()) {  // a stroke needs each of them
     waiting_.push_back({Event::Kind::Move, cursor, {}});
   }
   if (solver_.waits() || !waiting_.empty()) {
     return;
   }
   if (pressed_ && !pressed_->modifiers.none() && !pressed_->moves) {
-    if (!std::exchange(pressed_->brushed, true)) {
-      brush(pressed_->cursor);
-    }
     brush(cursor);
     return;
   }
@@ -224,8 +218,7 @@ void SessionMouse::release(const Cursor& cursor) {
     return;
   }
   const Press press = *pressed_;
-  if (model_.tools.paint && !press.modifiers.none() && !press.brushed) {  // a click paints a single patch
-    pressed_->brushed = true;
+  if (press.brushed || (model_.tools.paint && !press.modifiers.none())) {  // a click paints a single patch
     brush(cursor);
     end_stroke();
     return;
@@ -236,7 +229,7 @@ void SessionMouse::release(const Cursor& cursor) {
   } else if (press.on_gizmo) {  // a click picks what is behind the gizmo
     press_beneath(press.cursor, {});
     pressed_.reset();
-  } else if (!press.modifiers.none() && !press.brushed) {
+  } else if (!press.modifiers.none()) {
     click(press);
   }
 }
@@ -289,7 +282,7 @@ HoverQuery SessionMouse::query(const SurfaceHit& hit, const Camera& view, bool w
   query.mirror = model_.tools.mirror;
   if (usual > 0 && is_disc) {
     const double pixel = view.pixel_size(hit.point);
-    query.disc = std::min(settings.handle_fraction, kLargestHandleFraction);
+    query.disc = settings.handle_fraction;
     query.largest = std::min(kLargest * usual, kOfView * view.height() * pixel);
     query.smallest = std::min(std::max(kSmallest * usual, kPixels * pixel), query.largest);
   }
@@ -365,7 +358,7 @@ void SessionMouse::press_surface(const SurfaceHit& hit, const Cursor& cursor, Pr
       waiting_.push_back({Event::Kind::Press, cursor, modifiers});
       return;
     }
-    model_.settings.radius = model_.settings.handle_scale = found->radius;
+    model_.settings.radius = found->radius;
   }
   pressed_ = Press{hit.point, hit.vertex, cursor, modifiers};
   const bool taken = model_.take(pick(solver_.surface(), model_.selection, hit.vertex));
@@ -391,15 +384,26 @@ void SessionMouse::click(const Press& press) {
   solver_.handles_changed();
 }
 
+/// Paints the surface between the last position of the stroke and the cursor.
 void SessionMouse::brush(const Cursor& cursor) {
-  const std::optional<SurfaceHit> hit = this->hit(cursor);
-  if (!hit) {
+  constexpr double kStep = 2;  // pixels between two hits: thinner parts may be missed
+  pressed_->brushed = true;
+  const HoverSearch* const search = model_.search();
+  const Cursor last = std::exchange(pressed_->cursor, cursor);
+  const Vector2 from = last.view == cursor.view ? last.pixel : cursor.pixel;
+  const double steps = std::ceil((cursor.pixel - from).norm() / kStep);
+  std::vector<SurfaceHit> hits;
+  for (double step = 0; search != nullptr && step <= steps; ++step) {
+    const Vector2 pixel = from + step / std::max(steps, 1.0) * (cursor.pixel - from);
+    if (const std::optional<SurfaceHit> hit = search->hit(cursor.view, pixel)) {
+      hits.push_back(*hit);
+    }
+  }
+  if (hits.empty()) {
     return;
   }
-  const double radius = model_.settings.brush_pixels * cursor.view.pixel_size(hit->point);
-  HoverSearch& search = *model_.search();
-  const std::vector<int> patch = brushed_vertices(model_.mesh(), *model_.adjacency, search.faces(),
-                                                  search.discs().borrow(), cursor.view, *hit, radius);
+  const std::vector<int> patch = brushed_vertices(model_.mesh(), *model_.adjacency, search->faces(), cursor.view, hits,
+                                                  from, cursor.pixel, model_.settings.brush_pixels);
   if (patch.empty()) {
     return;
   }

@@ -121,7 +121,7 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
   }
   const bool about_pivot = kind != MotionKind::Translate && (model_.tools.pivot != Pivot::Centroid || !alone);
   DragMotion motion(kind, grab, model_.center(), mean_normal(model_.mesh(), *model_.adjacency, group), cursor,
-                    about_pivot ? std::optional(model_.pivot_position()) : std::nullopt);
+                    about_pivot ? std::optional(model_.pivot_position()) : std::nullopt, model_.settings.radius);
   if (Dragging* const drag = in<Dragging>()) {
     drag->motion = motion;
     if (kind != MotionKind::Translate) {
