@@ -169,10 +169,6 @@ ThreadPool& StepSolver::pool() {
   return *pool_;
 }
 
-int StepSolver::passes() const {
-  return settings_.method == EditMethod::Default ? settings_.passes() : 1;
-}
-
 /// Poses the cells, or else starts from the rigidly moved pose.
 /// @param quick  for a frame, whose cells are posed in few passes
 void StepSolver::start(bool quick) {
@@ -236,7 +232,7 @@ void StepSolver::rotate() {
 /// Performs the next pass. The last one of a pose settles it.
 void StepSolver::advance() {
   const Stage stage = std::exchange(stage_, Stage::None);
-  const bool last = stage == Stage::Full && (figures_.iterations + 1 >= passes() || !constraints_.any());
+  const bool last = stage == Stage::Full && (figures_.iterations + 1 >= settings_.passes() || !constraints_.any());
   if (constraints_.any()) {
     report_progress(0, "rotations");
     rotate();

@@ -161,7 +161,6 @@ class StepSolver {
   };
 
   void make_cells(int threads);
-  int passes() const;
   void start(bool quick);
   void rotate();
   void correct(double accuracy);
