@@ -317,7 +317,7 @@ bool StepSolver::refine(Points& positions) {
   return true;
 }
 
-EditReport StepSolver::report(bool whole) const {
+EditReport StepSolver::report() const {
   EditReport report;
   report.mesh_vertices = region().mesh_vertices;
   report.handle = region().count(VertexClass::Handle);
@@ -329,49 +329,40 @@ EditReport StepSolver::report(bool whole) const {
   if (!system_) {
     return report;
   }
-  report.solver = system_->matrix->cholesky.backend_name();
   report.normal_radius = system_->normal_radius;
   report.uniform_edges = system_->powers.uniform_edges;
-  report.refinements = std::max(figures_.refinements, system_->figures.refinements);
   report.factor_reused = system_->figures.factor_reused;
-  report.reused = system_->figures.reused;
   if (preparation_.poses <= 1) {
     report.region_ms = preparation_.region_ms;
     report.operator_ms = system_->figures.operator_ms;
     report.factor_ms = system_->figures.factor_ms;
-    report.kernel_ms = system_->figures.kernel_ms + preparation_.cells_ms;
   } else {  // everything existed before this pose
     report.factor_reused = true;
-    report.reused = "operator and factor";
   }
   if (positions_.rows() == 0) {
     return report;
   }
-  report.unrotated_ms = figures_.unrotated_ms;
-  report.normals_ms = figures_.normals_ms;
-  report.rotate_ms = figures_.rotate_ms;
-  report.solve_ms = figures_.solve_ms;
-  EditQuality& quality = report;
-  quality = edit_quality(*system_, constraints_, positions_, rotations_);
-  quality.detail_height = whole ? detail_height(*system_, positions_) : std::nullopt;
-  quality.rotation_left = figures_.rotation_left;
+  report.rotations_ms = figures_.normals_ms + figures_.rotate_ms;
+  report.solve_ms = figures_.unrotated_ms + figures_.solve_ms;
+  measure_edit(*system_, constraints_, positions_, rotations_, report);
+  report.rotation_left = figures_.rotation_left;
   if (figures_.unsettled >= 0) {
-    quality.causes.unsettled = region().mesh_vertex[figures_.unsettled];
-    quality.causes.unsettled_group = nearest_of_several_groups(region(), rest_->local, figures_.unsettled);
+    report.causes.unsettled = region().mesh_vertex[figures_.unsettled];
+    report.causes.unsettled_group = nearest_of_several_groups(region(), rest_->local, figures_.unsettled);
   }
   // Users expect a whole component to move, but expect the surface around any other region to stay.
-  quality.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_.paths());
-  quality.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
-  quality.causes.farthest = region().max_distance;
+  report.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_.paths());
+  report.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
+  report.causes.farthest = region().max_distance;
   constexpr double kRoundings = 4;  // rounding errors of two corners and of the fit
   const double largest = std::max(positions_.cwiseAbs().maxCoeff(), rest_->world.cwiseAbs().maxCoeff());
-  quality.causes.rigid =
+  report.causes.rigid =
       moved_rigidly(region(), rest_->world, positions_, kRoundings * spacing(options_.scalar, largest));
   report.iterations = figures_.iterations;
-  if (quality.causes.behind >= 0) {
+  if (report.causes.behind >= 0) {
     const std::vector<int>& vertices = region().mesh_vertex;
-    const auto behind = std::find(vertices.begin(), vertices.end(), quality.causes.behind) - vertices.begin();
-    quality.causes.step = spacing(options_.scalar, positions_.row(behind).cwiseAbs().maxCoeff());
+    const auto behind = std::find(vertices.begin(), vertices.end(), report.causes.behind) - vertices.begin();
+    report.causes.step = spacing(options_.scalar, positions_.row(behind).cwiseAbs().maxCoeff());
   }
   return report;
 }

@@ -124,8 +124,7 @@ class StepSolver {
 
   /// Returns the report of preparation and last pose(). It computes residuals and stretch on each call. Preparation
   /// times are 0 after the first pose.
-  /// @param whole  includes the height of detail, which takes time and which no window shows
-  EditReport report(bool whole = true) const;
+  EditReport report() const;
 
   /// Returns whether frames are available and cheaper than poses: with cells, but not with EditMethod::Paper once there
   /// is a system.
