@@ -187,14 +187,6 @@ TEST(AdviceOnAnEdit, IsTwoStepsForALargeRotation) {
   }
 }
 
-TEST(AdviceOnAnEdit, IsNotGivenWhereNothingFolded) {
-  Limb limb(9);
-  limb.step.handles[0].transform.axis = Vector3(0, 1, 0);
-  limb.step.handles[0].transform.degrees = 40;
-  EXPECT_EQ(limb.report().folded, 0);
-  EXPECT_EQ(limb.report().advice(), "");
-}
-
 TEST(AdviceOnAnEdit, NamesTheRemediesInOrder) {
   EditReport r;
   EXPECT_EQ(r.advice(), "");
@@ -397,7 +389,6 @@ TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
     EXPECT_LT(r.rotation_max, 90);
     EXPECT_GT(r.stretch_rms, 0.01);
     EXPECT_GT(r.volume_change, 10);
-    EXPECT_NE(r.text().find("Volume: +"), std::string::npos);
     EXPECT_FALSE(r.is_body) << "a fraction of a flat region's volume says nothing";
     if (settings.method == EditMethod::Default) {
       EXPECT_GT(r.iterations, 1);
@@ -411,25 +402,6 @@ TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
       EXPECT_LT(ms, 60000);
     }
   }
-}
-
-TEST_F(ReportOfAnEdit, TextNamesTheMethodAndWhatDiffersFromIt) {
-  EditSettings settings = EditSettings::of(EditMethod::Linear);
-  settings.laplacian = LaplacianKind::Cotangent;
-  settings.order = 2;
-  settings.membrane = 7;
-  const EditReport r = report(settings);
-  EXPECT_EQ(r.settings, settings);
-  EXPECT_EQ(r.iterations, 0);
-  EXPECT_EQ(r.normal_radius, 0);
-  EXPECT_EQ(r.rotation_max, 0);
-  EXPECT_NE(r.text().find("Method: linear; operator: cotangent of order 2, membrane 7\n"), std::string::npos)
-      << r.text();
-  settings = EditSettings::of(EditMethod::Paper);
-  EXPECT_EQ(report(settings).text().find("falloff"), std::string::npos);
-  settings.rough = RoughDeformation::Falloff;
-  EXPECT_NE(report(settings).text().find("rotations from the falloff"), std::string::npos);
-  EXPECT_NE(report({}).text().find("Method: default; operator: surface of order 1; 3 passes"), std::string::npos);
 }
 
 TEST(EditReport, PrintedChoicesAreThoseOfAnEdit) {
@@ -451,12 +423,10 @@ TEST_F(ReportOfAnEdit, RotationLeftIsThatOfTheLastPass) {
   settings.iterations = 2;
   const EditReport twice = report(settings);
   EXPECT_GT(twice.rotation_left, 0.1);
-  EXPECT_NE(twice.text().find("the last pass still rotated by"), std::string::npos);
   settings.iterations = 100;
   EXPECT_LT(report(settings).rotation_left, 0.1 * twice.rotation_left);
   const EditReport paper = report(EditSettings::of(EditMethod::Paper));
   EXPECT_NEAR(paper.rotation_left, paper.rotation_max, 1e-9);
-  EXPECT_EQ(paper.text().find("still rotated"), std::string::npos);
   EXPECT_EQ(report(EditSettings::of(EditMethod::Linear)).rotation_left, 0);
 }
 

@@ -197,7 +197,6 @@ bool Preparation::factorise(bool reuse) {
     s_.matrix = previous_->matrix;
     if (same_handles()) {
       s_.correction = previous_->correction;
-      s_.figures.refinements = previous_->figures.refinements;
       return true;
     }
     if (make_sure()) {
@@ -291,8 +290,8 @@ bool Preparation::make_sure() {
       right.row(i).setConstant(s_.squared_weights[i]);
     }
   }
-  s_.figures.refinements = solver.refine_to(right, x, kAccurate);
-  return s_.figures.refinements >= 0 && s_.figures.refinements <= most_steps;
+  const int steps = solver.refine_to(right, x, kAccurate);
+  return steps >= 0 && steps <= most_steps;
 }
 
 /// Makes the kernel that smooths normals (Lipman et al. 2004, section 6).

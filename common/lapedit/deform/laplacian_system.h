@@ -30,7 +30,6 @@ struct LaplacianPowers {
 struct SystemFigures {
   double operator_ms = 0, factor_ms = 0;
   bool factor_reused = false;
-  int refinements = 0;  ///< steps to kAccurate without the correction
 };
 
 /// The linear system of an edit, independent of the handles' motions (paper, sections 3 and 7). prepare_system() makes

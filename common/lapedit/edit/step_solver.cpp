@@ -118,9 +118,7 @@ void StepSolver::make_cells() {
 }
 
 void StepSolver::make_cells(int threads) {
-  const Stopwatch watch;
   cells_ = std::make_unique<CellModel>(rest_, settings_, ThreadPool(threads));
-  preparation_.cells_ms = watch.elapsed();
 }
 
 std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMesh& mesh,
@@ -195,8 +193,7 @@ void StepSolver::correct(double accuracy) {
   constexpr double kStalled = 0.5, kUseless = 1e-6;
   const Stopwatch watch;
   double last = 0;  // none
-  int steps = 0;
-  for (bool again = true; again; ++steps) {
+  for (bool again = true; again;) {
     report_progress(0, "solve");
     residual_->compute(constraints_, rotations_, displacement_, left_);
     solver_->solve(left_, step_);
@@ -209,7 +206,6 @@ void StepSolver::correct(double accuracy) {
     again = accuracy < 1 && change > accuracy && !stalled && !(last > 0 && change * change / last < accuracy);
     last = change;
   }
-  figures_.refinements = std::max(figures_.refinements, steps);
   figures_.solve_ms += watch.elapsed();
 }
 
@@ -217,20 +213,21 @@ void StepSolver::correct(double accuracy) {
 /// solutions; or with EditMethod::Paper those of the unrotated solution's frames (Lipman et al. 2004, section 4, steps
 /// 1 and 2).
 void StepSolver::rotate() {
-  Stopwatch watch;
-  if (settings_.method == EditMethod::Paper) {
-    if (system_->falloff.empty()) {
-      correct(kExact);
-    } else {
+  const bool paper = settings_.method == EditMethod::Paper;
+  if (paper && system_->falloff.empty()) {
+    correct(kExact);
+  }
+  const Stopwatch watch;
+  if (paper) {
+    if (!system_->falloff.empty()) {
       constraints_.fall_off(system_->falloff, displacement_, pool());
     }
-    figures_.unrotated_ms = watch.lap();
-    figures_.normals_ms = frame_rotations_->estimate(constraints_.start(), displacement_, rotations_);
+    frame_rotations_->estimate(constraints_.start(), displacement_, rotations_);
   } else if (figures_.iterations > 0) {
     rotations_before_ = rotations_;
     cells_->fit(*system_, constraints_, ahead_(displacement_, figures_.iterations - 1), rotations_);
   }
-  figures_.rotate_ms += watch.elapsed() - figures_.normals_ms;
+  figures_.rotate_ms += watch.elapsed();
 }
 
 /// Performs the next pass. The last one of a pose settles it.
@@ -342,8 +339,8 @@ EditReport StepSolver::report() const {
   if (positions_.rows() == 0) {
     return report;
   }
-  report.rotations_ms = figures_.normals_ms + figures_.rotate_ms;
-  report.solve_ms = figures_.unrotated_ms + figures_.solve_ms;
+  report.rotations_ms = figures_.rotate_ms;
+  report.solve_ms = figures_.solve_ms;
   measure_edit(*system_, constraints_, positions_, rotations_, report);
   report.rotation_left = figures_.rotation_left;
   if (figures_.unsettled >= 0) {
