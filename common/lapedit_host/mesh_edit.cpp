@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <QStringList>
+#include <algorithm>
 #include <fstream>
 #include <type_traits>
 #include <utility>
@@ -20,14 +21,19 @@ namespace {
 
 constexpr int kFewVertices = 20000;
 
-void add(const std::string& prefix, const std::vector<Figure>& figures, std::map<std::string, QVariant>& all) {
-  for (const Figure& figure : figures) {
+/// Adds the numbers and truth values of a report by their keys, with _ between levels.
+void add(const std::string& prefix, const EditReport& report, std::map<std::string, QVariant>& all) {
+  for (const Figure& figure : report_table()) {
+    std::string key = prefix + (figure.key == nullptr ? "" : figure.key);
+    std::replace(key.begin(), key.end(), '/', '_');
     const auto put = [&](const auto& known) {
       if constexpr (std::is_arithmetic_v<std::decay_t<decltype(known)>>) {
-        all[prefix + figure.name] = known;
+        all[key] = known;
       }
     };
-    std::visit(put, figure.value);
+    if (figure.key != nullptr) {
+      std::visit(put, figure.get(report));
+    }
   }
 }
 
@@ -155,14 +161,10 @@ FilterOutcome write_edited(CMeshO& host, const EditedMesh& edited) {
 
 std::map<std::string, QVariant> figures_of(const std::vector<EditReport>& reports) {
   std::map<std::string, QVariant> all;
-  const auto add_step = [&all](const std::string& prefix, const EditReport& report) {
-    add(prefix, report.figures(), all);
-    add(prefix + "milliseconds_", report.times(), all);
-  };
   for (std::size_t k = 0; k < reports.size() && reports.size() > 1; ++k) {
-    add_step("step_" + std::to_string(k + 1) + "_", reports[k]);
+    add("step_" + std::to_string(k + 1) + "_", reports[k], all);
   }
-  add_step("", reports.back());
+  add("", reports.back(), all);
   all["steps"] = static_cast<int>(reports.size());
   return all;
 }

@@ -105,7 +105,7 @@ TEST(EditConstraints, ComponentFollowsItsAnchorsWithTheirRotation) {
 }
 
 /// Fails if a distance is measured from another position, or an angle in radians.
-TEST(EditQuality, IsMeasuredFromTheTargets) {
+TEST(MeasureEdit, IsMeasuredFromTheTargets) {
   Scene s;
   const Affine away = support::shift(Vector3(2, 0, 0));
   s.constraints.set({support::shift(Vector3(0, 0, 0.5)), away, away}, kStay);
@@ -120,7 +120,8 @@ TEST(EditQuality, IsMeasuredFromTheTargets) {
   for (int i = 0; i < n; ++i) {
     positions.row(i) += s.constraints.rigid_motion(i).displacement(s.system->rest.local.row(i).transpose()).transpose();
   }
-  const EditQuality found = edit_quality(*s.system, s.constraints, positions, rotations);
+  EditReport found;
+  measure_edit(*s.system, s.constraints, positions, rotations, found);
   EXPECT_NEAR(found.handle_displacement, 2, 1e-14);
   EXPECT_NEAR(found.handle_residual, 0.1, 1e-14) << "the rigid motion has arrived";
   EXPECT_NEAR(found.anchor_residual, 0.05, 1e-14);

@@ -138,43 +138,6 @@ TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
   EXPECT_NEAR(enclosed_volume(region_of_both, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
 }
 
-TEST(EditReport, HeightOfDetailIsThatOfTheBumps) {
-  const TriangleMesh mesh = shapes::bumpy_grid();
-  const auto system_of = [](const TriangleMesh& of, EditMethod method) {
-    return prepare_system(of, support::rest_pose(of, whole(of)), EditSettings::of(method), {}, nullptr);
-  };
-  const auto system = system_of(mesh, EditMethod::Paper);
-  EXPECT_NEAR(detail_height(*system, mesh.vertices).value(), 1, 1e-5);
-  EXPECT_NEAR(detail_height(*system, shapes::bumpy_grid(1.5).vertices).value(), 0.5, 0.1);
-  EXPECT_NEAR(detail_height(*system, shapes::grid(100, 60).vertices).value(), 0, 1e-5);
-  const Points moved = (mesh.vertices * rotation_by(1).transpose()).rowwise() + Vector3(100, 200, 300).transpose();
-  EXPECT_NEAR(detail_height(*system, moved).value(), 1, 1e-5);
-  const TriangleMesh flat = shapes::grid(40, 30);
-  EXPECT_FALSE(detail_height(*system_of(flat, EditMethod::Paper), flat.vertices));
-  EXPECT_FALSE(detail_height(*system_of(mesh, EditMethod::Linear), mesh.vertices));
-}
-
-/// What bends with the surface is no detail: the fraction found is that by which the bumps rise over an edited plane.
-TEST(EditReport, HeightOfDetailIsNotThatOfABend) {
-  const TriangleMesh plane = shapes::grid(100, 60), bumpy = shapes::bumpy_grid();
-  std::vector<int> anchors, handle;
-  for (int v = 0; v < 6000; ++v) {
-    if (v / 60 < 6 || v / 60 > 93) {
-      anchors.push_back(v);
-    } else if (v / 60 == 50) {
-      handle.push_back(v);
-    }
-  }
-  const std::vector<HandleMotion> lift = {support::shift(Vector3(0, 0, 40))};
-  support::Prepared base(plane, support::whole_region(plane, {handle}, anchors), EditSettings::of(EditMethod::Paper));
-  support::Prepared edited(bumpy, support::whole_region(bumpy, {handle}, anchors), EditSettings::of(EditMethod::Paper));
-  const Points bumps = edited.pose(lift) - base.pose(lift);
-  const Eigen::VectorXd on_bump = (bumpy.vertices.col(2).array() > 0).cast<double>();
-  const double kept = bumps.rowwise().norm().dot(on_bump) / bumpy.vertices.col(2).sum();
-  EXPECT_NEAR(kept, 0.98, 0.02);
-  EXPECT_NEAR(edited.report().detail_height.value(), kept, 0.03);
-}
-
 /// A limb along x whose tip goes somewhere.
 struct Limb {
   TriangleMesh mesh = shapes::tapered_arm(24, 60);
@@ -222,14 +185,6 @@ TEST(AdviceOnAnEdit, IsTwoStepsForALargeRotation) {
     EXPECT_LE(r.folded, r.flipped) << name(method);
     EXPECT_NE(r.advice().find(": make the edit in two steps."), std::string::npos) << r.advice();
   }
-}
-
-TEST(AdviceOnAnEdit, IsNotGivenWhereNothingFolded) {
-  Limb limb(9);
-  limb.step.handles[0].transform.axis = Vector3(0, 1, 0);
-  limb.step.handles[0].transform.degrees = 40;
-  EXPECT_EQ(limb.report().folded, 0);
-  EXPECT_EQ(limb.report().advice(), "");
 }
 
 TEST(AdviceOnAnEdit, NamesTheRemediesInOrder) {
@@ -434,8 +389,7 @@ TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
     EXPECT_LT(r.rotation_max, 90);
     EXPECT_GT(r.stretch_rms, 0.01);
     EXPECT_GT(r.volume_change, 10);
-    EXPECT_NE(r.text().find("Volume: +"), std::string::npos);
-    EXPECT_EQ(r.text().find(" %); height"), std::string::npos) << "a fraction of a flat region's volume says nothing";
+    EXPECT_FALSE(r.is_body) << "a fraction of a flat region's volume says nothing";
     if (settings.method == EditMethod::Default) {
       EXPECT_GT(r.iterations, 1);
       EXPECT_EQ(r.normal_radius, 0);
@@ -443,30 +397,11 @@ TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
       EXPECT_EQ(r.iterations, 1);
       EXPECT_GT(r.normal_radius, 0);
     }
-    for (const double ms : {r.region_ms, r.operator_ms, r.factor_ms, r.kernel_ms, r.rotate_ms, r.solve_ms}) {
+    for (const double ms : {r.region_ms, r.operator_ms, r.factor_ms, r.rotations_ms, r.solve_ms}) {
       EXPECT_GT(ms, 0);
       EXPECT_LT(ms, 60000);
     }
   }
-}
-
-TEST_F(ReportOfAnEdit, TextNamesTheMethodAndWhatDiffersFromIt) {
-  EditSettings settings = EditSettings::of(EditMethod::Linear);
-  settings.laplacian = LaplacianKind::Cotangent;
-  settings.order = 2;
-  settings.membrane = 7;
-  const EditReport r = report(settings);
-  EXPECT_EQ(r.settings, settings);
-  EXPECT_EQ(r.iterations, 0);
-  EXPECT_EQ(r.normal_radius, 0);
-  EXPECT_EQ(r.rotation_max, 0);
-  EXPECT_NE(r.text().find("Method: linear; operator: cotangent of order 2, membrane 7; solver"), std::string::npos)
-      << r.text();
-  settings = EditSettings::of(EditMethod::Paper);
-  EXPECT_EQ(report(settings).text().find("falloff"), std::string::npos);
-  settings.rough = RoughDeformation::Falloff;
-  EXPECT_NE(report(settings).text().find("rotations from the falloff"), std::string::npos);
-  EXPECT_NE(report({}).text().find("Method: default; operator: surface of order 1; 3 passes"), std::string::npos);
 }
 
 TEST(EditReport, PrintedChoicesAreThoseOfAnEdit) {
@@ -488,12 +423,10 @@ TEST_F(ReportOfAnEdit, RotationLeftIsThatOfTheLastPass) {
   settings.iterations = 2;
   const EditReport twice = report(settings);
   EXPECT_GT(twice.rotation_left, 0.1);
-  EXPECT_NE(twice.text().find("the last pass still rotated by"), std::string::npos);
   settings.iterations = 100;
   EXPECT_LT(report(settings).rotation_left, 0.1 * twice.rotation_left);
   const EditReport paper = report(EditSettings::of(EditMethod::Paper));
   EXPECT_NEAR(paper.rotation_left, paper.rotation_max, 1e-9);
-  EXPECT_EQ(paper.text().find("still rotated"), std::string::npos);
   EXPECT_EQ(report(EditSettings::of(EditMethod::Linear)).rotation_left, 0);
 }
 
@@ -512,7 +445,6 @@ TEST(ReportOfAFreeComponent, IsThatOfItsMotion) {
   EXPECT_EQ(moved.flipped, 0);
   EXPECT_EQ(moved.folded, 0);
   EXPECT_NEAR(moved.volume_change, 0, 1e-12);
-  EXPECT_NEAR(moved.detail_height.value(), 1, 1e-4);
   EXPECT_EQ(moved.rotation_left, 0) << "no pass was needed";
   EXPECT_EQ(moved.advice(), "");
   step.handles[0].transform.scale = 1.1;
@@ -533,59 +465,89 @@ TEST_F(ReportOfAnEdit, NothingMovedReportsZero) {
     EXPECT_EQ(r.folded, 0);
     EXPECT_EQ(r.volume_change, 0);
     EXPECT_EQ(r.rotation_left, 0);
-    EXPECT_NEAR(r.detail_height.value_or(settings.method == EditMethod::Default), 1, 1e-5);
   }
 }
 
 TEST(EditReport, TextHoldsEveryNumber) {
+  EXPECT_EQ(EditReport().text(),
+            "Region: 0 handle, 0 free, 0 anchor vertices; 0 fixed of 0\nMethod: default; operator: surface of order 1\n"
+            "Handle: to move 0, distance to its target 0 (0 %); anchors moved at most 0\n"
+            "Detail rotation: mean 0, largest 0 degrees; edge stretch: RMS 0 %, largest 0 %; triangles flipped: 0\n"
+            "Volume: +0; triangles folded over: 0\n"
+            "Milliseconds: region 0.0, operator 0.0, factor 0.0, rotate 0.00, solve 0.00");
   EditReport r;
-  r.mesh_vertices = 90001;
-  r.handle = 90002;
-  r.free = 90003;
-  r.anchors = 90004;
-  r.fixed = 90005;
+  r.handle = 90001;
+  r.free = 90002;
+  r.anchors = 90003;
+  r.fixed = 90004;
+  r.mesh_vertices = 90005;
   r.left_out = 90006;
+  r.welded = 90007;
   r.settings = EditSettings::of(EditMethod::Paper);
   r.settings.rough = RoughDeformation::Falloff;
-  r.solver = "some solver";
   r.settings.order = 3;
+  r.settings.membrane = 7;
   r.iterations = 7;
   r.normal_radius = 0.00125;
-  r.uniform_edges = 90007;
-  r.region_ms = 101.5;
-  r.operator_ms = 102.5;
-  r.factor_ms = 103.5;
-  r.kernel_ms = 104.5;
-  r.unrotated_ms = 105.5;
-  r.normals_ms = 106.5;
-  r.rotate_ms = 107.5;
-  r.solve_ms = 108.5;
-  r.normal_equation_residual = 2.5e-17;
+  r.uniform_edges = 90008;
   r.handle_displacement = 0.625;
   r.handle_residual = 3.5e-4;
   r.anchor_residual = 4.5e-5;
+  r.handle_point_distance = 0.25;
+  r.landmarks = {{"nose", 3, 0.3}, {"chin", 4, 0.4}};
+  r.landmark_conversion = "from RAS to LPS";
   r.rotation_mean = 11.5;
   r.rotation_max = 77.5;
   r.stretch_rms = 0.0875;
-  r.flipped = 90008;
-  r.folded = 90009;
+  r.stretch_max = 0.5;
+  r.flipped = 90009;
   r.volume = 4;
-  r.is_body = true;
   r.volume_change = -0.3125;
-  r.detail_height = 0.9375;
+  r.is_body = true;
   r.rotation_left = 1.625;
-  r.new_intersections = 90010;
-  r.causes.near = 90011;
-  const std::string text = r.text();
-  for (const char* expected :
-       {"falloff", "90001",  "90002",   "90003",  "90004",   "90005",   "90006", "umbrella", "paper", "some solver",
-        "order 3", "7 ",     "0.00125", "90007",  "101.5",   "102.5",   "103.5", "104.5",    "105.5", "106.5",
-        "107.5",   "108.5",  "2.5e-17", "0.625",  "0.00035", "4.5e-05", "11.5",  "77.5",     "8.75",  "90008",
-        "90009",   "-0.312", "-7.81",   "93.8 %", "1.62",    "90010",   "90011"}) {
-    EXPECT_NE(text.find(expected), std::string::npos) << expected << " in:\n" << text;
-  }
-  EXPECT_NE(text.back(), '\n');
-  EXPECT_LT(text.size(), 4096U);  // MeshLab's log line
+  r.folded = 1;
+  r.causes.near = 90010;
+  r.new_intersections = 90011;
+  r.region_ms = 101.5;
+  r.operator_ms = 102.5;
+  r.factor_ms = 103.5;
+  r.rotations_ms = 104.5;
+  r.solve_ms = 105.5;
+  const std::string counts =
+      "Region: 90001 handle, 90002 free, 90003 anchor vertices; 90004 fixed of 90005; 90006 in parts of the region "
+      "without a handle stay; 90007 more at the places of these move along\n";
+  const std::string landmarks =
+      "Landmarks: 2, distance to their targets: RMS 0.354, largest 0.4 at \"chin\" (vertex 4)\n";
+  const std::string shape =
+      "Detail rotation: mean 11.5, largest 77.5 degrees; edge stretch: RMS 8.75 %, largest 50 %; triangles flipped: "
+      "90009\nVolume: -0.312 (-7.81 %); ";
+  const std::string folds = "triangles folded over: 1; new self-intersections: 90011\nMilliseconds: region 101.5";
+  const std::string advice = ", solve 105.50\n1 triangle folded over near vertex 90010: use a larger region, ";
+  EXPECT_EQ(r.text(),
+            counts +
+                "Method: paper; operator: umbrella of order 3, 90008 edges at degenerate triangles took the uniform "
+                "weight, membrane 7; 7 passes, normal radius 0.00125, rotations from the falloff\n"
+                "Handle: to move 0.625, distance to its target 0.00035 (0.056 %); anchors moved at most 4.5e-05; its "
+                "vertex is 0.25 from the handle point\n" +
+                landmarks + "Landmarks were converted to the coordinate system of the mesh: from RAS to LPS\n" + shape +
+                "the last pass still rotated by 1.62 degrees; " + folds +
+                ", operator 102.5, factor 103.5, rotate 104.50" + advice + "or use order 1.");
+  r.settings = EditSettings();
+  r.iterations = r.uniform_edges = 0;
+  r.normal_radius = 0;
+  r.handle_point_distance = {};
+  r.fit = FitReport{
+      "shape", "scan.ply", "rigid", {0.75, 1, 2, 3, 4}, {0.625, 5, 6, 7, 8}, 1, 1.5, 2.5, 0.5, true, 0, 1000, 1,
+      0,       9,          81};
+  EXPECT_EQ(
+      r.text(),
+      counts +
+          "Fit to scan.ply, mode shape; alignment: rigid by landmarks, scale 1, RMS 1.5 of the nearest 80 % (another "
+          "orientation: 2.5); 9 stages, 81 rounds; the scan's normals were taken as reversed\n"
+          "Template to scan: 75 % matched, distance RMS 1, median 2, 95 % 3, largest 4\n"
+          "Scan to template: 62.5 % matched, distance RMS 5, median 6, 95 % 7, largest 8\n" +
+          landmarks + shape + folds + advice +
+          "raise the detail of the fit, exclude the vertices near it, or give landmarks.");
 }
 
 }  // namespace

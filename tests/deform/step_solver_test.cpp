@@ -253,7 +253,6 @@ TEST(DenseLeastSquares, AgreesWhereTheNormalEquationsAreIllConditioned) {
     const std::vector<Matrix3> unrotated(region.size(), Matrix3::Identity());
     const Points expected = reference::solve(mesh, region, settings, targets, unrotated);
     EXPECT_LT(support::error(solver.pose({map}), expected), bound) << "order " << order;
-    EXPECT_GT(solver.report().refinements, 0);
   }
 }
 
@@ -532,7 +531,6 @@ TEST(Conditioning, SlowRefinementIsRightToo) {
   for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
     Prepared solver(tube, region, settings, {StoredScalar::Double, {}, {0, backend}});
     results[backend == CholeskyBackend::Eigen] = solver.pose({support::shift(Vector3(1, 2, 0))});
-    EXPECT_GT(solver.report().refinements, 12) << "steps of 0.1 each";
     EXPECT_LT(solver.report().handle_residual, 1e-6);
   }
   EXPECT_LT((results[0] - results[1]).cwiseAbs().maxCoeff(), 1e-9);

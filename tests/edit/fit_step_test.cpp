@@ -208,7 +208,7 @@ TEST(FitStep, FitsOrAdvisesWhereScansMislead) {
     const EditResult result = apply_edit(head(), fit_edit(scan));
     const double error = mean_error(support::edited(head(), result), truth) / mean_error(head().vertices, truth);
     EXPECT_TRUE(error < 0.5 || !result.reports.front().advice().empty())
-        << name << ", " << error << result.reports.front().fit->text();
+        << name << ", " << error << result.reports.front().text();
   }
 }
 

@@ -121,9 +121,11 @@ TEST(Surface, CountsEachFaceOnceAndNoneThatNamesAVertexTwice) {
         const EditResult result = support::apply_step(bad, step), expected = support::apply_step(mesh, step);
         ASSERT_EQ(result.vertices, expected.vertices) << name(method);
         EXPECT_TRUE(same_bits(result.positions, expected.positions)) << name(method);
-        const std::vector<Figure> figures = result.reports[0].figures();
-        for (std::size_t k = 0; k < figures.size(); ++k) {
-          EXPECT_EQ(figures[k].value, expected.reports[0].figures()[k].value) << name(method) << figures[k].name;
+        for (const Figure& figure : report_table()) {
+          const std::string key = figure.key == nullptr ? "" : figure.key;
+          if (key.rfind("milliseconds", 0) != 0) {
+            EXPECT_EQ(figure.get(result.reports[0]), figure.get(expected.reports[0])) << name(method) << key;
+          }
         }
         step.region.tips = step.region.pieces = true;
         step.region.connect_gap = 0.1 * size;

@@ -68,13 +68,13 @@ TEST(SolverThread, PosesAreThoseOfTheStep) {
 TEST(SolverThread, ReportsWhatARegionReuses) {
   SolverThread worker(nullptr);
   SolverPose pose;
-  std::vector<std::string> reused;
+  std::vector<bool> reused;
   for (const double radius : {9.0, 9.0, 12.0}) {
     worker.prepare(task_for(kHandle, radius));
     worker.solve({support::shift(Vector3(1, 2, 3))}, true);
-    reused.emplace_back(all_updates(worker, pose).report->reused);
+    reused.emplace_back(all_updates(worker, pose).report->factor_reused);
   }
-  EXPECT_EQ(reused, (std::vector<std::string>{"nothing", "operator and factor", "nothing"}));
+  EXPECT_EQ(reused, (std::vector<bool>{false, true, false}));
 }
 
 TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "drag_support.h"
 
@@ -13,6 +14,17 @@ namespace lapedit::visibility_test {
 namespace {
 
 const Vector3 kDown(0, 0, -1);
+
+std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray) {
+  int face = -1;
+  double nearest = kUnreached;
+  for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
+    const double distance = distance_along(mesh, ray, f);
+    face = distance < nearest ? f : face;
+    nearest = std::min(nearest, distance);
+  }
+  return face < 0 ? std::nullopt : std::optional(hit_of(mesh, ray, face, nearest));
+}
 
 TEST(Visibility, IsTheBruteForceAnswer) {
   const TriangleMesh mesh = shapes::together(shapes::icosphere(3), shapes::icosphere(2), Vector3(0.4, 0.3, 2.5));

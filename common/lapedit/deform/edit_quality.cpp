@@ -11,7 +11,6 @@
 
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/deform/matrix_averages.h"
-#include "lapedit/deform/smooth_normals.h"
 
 namespace lapedit {
 namespace {
@@ -22,30 +21,20 @@ double degrees_of(const Matrix3& rotation) {
   return Eigen::AngleAxisd(rotation).angle() * kDegrees;
 }
 
-/// Returns n . (p - S p) per vertex, where S p is the smoothed position and n its normal.
-Eigen::VectorXd heights(const Region& region, const Points& positions, const Points& smooth) {
-  Points normals;
-  vertex_normals(smooth, region.faces, normals);
-  return (positions - smooth).cwiseProduct(normals).rowwise().sum();
-}
-
 /// Searches for folds only if triangles flipped, since triangles that agree with slowly varying rotations are not
 /// folded.
-void find_folds(const LaplacianSystem& system, const Points& positions, EditQuality& result) {
-  const Region& region = system.region;
-  AdviceCauses& causes = result.causes;
-  causes.reach = region.radius;
-  causes.rotation = result.rotation_max;
-  if (result.flipped == 0) {
+void find_folds(const Region& region, const Points& before, const Points& after, ThreadPool& pool, EditReport& report) {
+  if (report.flipped == 0) {
     return;
   }
-  const std::vector<Matrix3> surface = surface_rotations(region, system.rest.world, positions, *system.pool);
+  AdviceCauses& causes = report.causes;
+  const std::vector<Matrix3> surface = surface_rotations(region, before, after, pool);
   std::vector<int> at(region.size(), 0);
   Checkpoints checkpoints;
   for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
     checkpoints();
-    if (is_flipped(region, f, system.rest.world, positions, surface)) {
-      ++result.folded;
+    if (is_flipped(region, f, before, after, surface)) {
+      ++report.folded;
       causes.folds.push_back({region.mesh_vertex[region.faces(f, 0)], region.mesh_vertex[region.faces(f, 1)],
                               region.mesh_vertex[region.faces(f, 2)]});
       for (const int v : region.faces.row(f)) {
@@ -53,7 +42,7 @@ void find_folds(const LaplacianSystem& system, const Points& positions, EditQual
       }
     }
   }
-  if (result.folded > 0) {
+  if (report.folded > 0) {
     causes.near = region.mesh_vertex[std::max_element(at.begin(), at.end()) - at.begin()];
   }
   for (int i = 0; i < region.size(); ++i) {
@@ -204,29 +193,6 @@ std::vector<Matrix3> surface_rotations(const Region& region, const Points& befor
   return rotations;
 }
 
-std::optional<double> detail_height(const LaplacianSystem& system, const Points& after) {
-  if (!system.kernel) {
-    return {};
-  }
-  const Region& region = system.region;
-  Points positions = system.rest.world.rowwise() - system.rest.world.row(0), smooth, scratch;
-  system.kernel->apply(positions, smooth, scratch);
-  const Eigen::VectorXd old_heights = heights(region, positions, smooth);
-  positions = after.rowwise() - after.row(0);
-  system.kernel->apply(positions, smooth, scratch);
-  const Eigen::VectorXd new_heights = heights(region, positions, smooth);
-  double found = 0, all = 0, reach = 0;
-  for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Free) {
-      found += new_heights[i] * old_heights[i];
-      all += old_heights[i] * old_heights[i];
-      reach += region.max_distance * region.max_distance;
-    }
-  }
-  constexpr double kFlat = 1e-6;  // of the region's size: the error of a plane in single precision
-  return all > kFlat * kFlat * reach ? std::optional<double>(found / all) : std::nullopt;
-}
-
 /// Uses |R - S| = 2 sqrt(2) sin(angle / 2).
 double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3>& s, int* at) {
   double largest = 0;
@@ -244,9 +210,21 @@ double largest_rotation(const std::vector<Matrix3>& r, const std::vector<Matrix3
   return 2 * std::asin(std::min(1.0, std::sqrt(largest / 8))) * kDegrees;
 }
 
-EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& constraints, const Points& positions,
-                         const std::vector<Matrix3>& rotations) {
-  EditQuality result;
+void measure_shape(const Region& region, const Points& before, const Points& after,
+                   const std::vector<Matrix3>& rotations, ThreadPool& pool, EditReport& report) {
+  const EdgeStretch stretch = edge_stretch(region, before, after);
+  report.stretch_rms = stretch.rms;
+  report.stretch_max = stretch.largest;
+  report.causes.stretched = stretch.at < 0 ? -1 : region.mesh_vertex[stretch.at];
+  report.flipped = flipped_triangles(region, before, after, rotations);
+  find_folds(region, before, after, pool, report);
+  report.volume = enclosed_volume(region, before);
+  report.volume_change = enclosed_volume(region, after) - report.volume;
+  report.is_body = encloses_a_body(region, before, report.volume);
+}
+
+void measure_edit(const LaplacianSystem& system, const EditConstraints& constraints, const Points& positions,
+                  const std::vector<Matrix3>& rotations, EditReport& report) {
   const Region& region = system.region;
   const std::vector<int> lone = lone_vertices(region);
   const std::vector<double> largest = largest_weights(region);
@@ -256,41 +234,34 @@ EditQuality edit_quality(const LaplacianSystem& system, const EditConstraints& c
     const Vector3 moved = (positions.row(i) - system.rest.world.row(i)).transpose();
     if (region.classes[i] == VertexClass::Handle) {
       const Vector3 wanted = constraints.wanted_displacement(i);
-      if (wanted.norm() > result.handle_displacement) {
-        result.handle_displacement = wanted.norm();
-        result.causes.lone_handle = lone[region.group[i]] >= 0;
+      if (wanted.norm() > report.handle_displacement) {
+        report.handle_displacement = wanted.norm();
+        report.causes.lone_handle = lone[region.group[i]] >= 0;
       }
       if (region.weight(i) == largest[region.group[i]]) {
-        result.handle_residual = std::max(result.handle_residual, (moved - wanted).norm());
+        report.handle_residual = std::max(report.handle_residual, (moved - wanted).norm());
       }
-      if (region.weight(i) == 1 && (moved - wanted).norm() > result.causes.distance) {
-        result.causes.distance = (moved - wanted).norm();
-        result.causes.behind = region.mesh_vertex[i];
+      if (region.weight(i) == 1 && (moved - wanted).norm() > report.causes.distance) {
+        report.causes.distance = (moved - wanted).norm();
+        report.causes.behind = region.mesh_vertex[i];
       }
     } else if (region.classes[i] == VertexClass::Anchor) {
       const Vector3 wanted = constraints.rigid_motion(i).displacement(system.rest.local.row(i).transpose());
-      result.anchor_residual = std::max(result.anchor_residual, (moved - wanted).norm());
+      report.anchor_residual = std::max(report.anchor_residual, (moved - wanted).norm());
     }
     const double degrees = degrees_of(rotations[i]);
-    result.rotation_mean += degrees / region.size();
-    result.rotation_max = std::max(result.rotation_max, degrees);
+    report.rotation_mean += degrees / region.size();
+    report.rotation_max = std::max(report.rotation_max, degrees);
   }
-  const EdgeStretch stretch = edge_stretch(region, system.rest.world, positions);
-  result.stretch_rms = stretch.rms;
-  result.stretch_max = stretch.largest;
+  report.causes.reach = region.radius;
+  report.causes.rotation = report.rotation_max;
   double scale = 1;  // a handle that is scaled up stretches the surface as much
   for (const auto& motion : constraints.paths().motions()) {
     scale = std::max(scale, (motion.linear + Matrix3::Identity()).norm() / std::sqrt(3.0));
   }
-  result.causes.stretched_area = stretched_area(region, system.rest.world, positions, kStretched * scale);
-  result.causes.stretched = stretch.at < 0 ? -1 : region.mesh_vertex[stretch.at];
-  result.flipped = flipped_triangles(region, system.rest.world, positions, rotations);
-  find_folds(system, positions, result);
-  result.volume = enclosed_volume(region, system.rest.world);
-  result.volume_change = enclosed_volume(region, positions) - result.volume;
-  result.is_body = encloses_a_body(region, system.rest.world, result.volume);
-  find_lost_volume(system, constraints, positions, result.causes.lost);
-  return result;
+  report.causes.stretched_area = stretched_area(region, system.rest.world, positions, kStretched * scale);
+  measure_shape(region, system.rest.world, positions, rotations, *system.pool, report);
+  find_lost_volume(system, constraints, positions, report.causes.lost);
 }
 
 }  // namespace lapedit

@@ -3,57 +3,201 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <initializer_list>
+#include <type_traits>
 
 #include "lapedit/base/format_text.h"
-#include "lapedit/deform/edit_settings.h"
 
 namespace lapedit {
 namespace {
+
+using Value = Figure::Value;
+using R = EditReport;
+using F = FitReport;
+using D = FitDistances;
+
+template <class T>
+Value known(const T& value) {
+  return value;
+}
+
+template <class T>
+Value known(const std::optional<T>& value) {
+  return value ? Value(*value) : Value();
+}
+
+template <auto Member>
+Value of(const R& r) {
+  return known(r.*Member);
+}
+
+template <auto Member>
+Value fit(const R& r) {
+  return r.fit ? known((*r.fit).*Member) : Value();
+}
+
+template <auto Direction, auto Member>
+Value distance(const R& r) {
+  return r.fit ? known((*r.fit).*Direction.*Member) : Value();
+}
+
+Value landmark_line(const R& r) {
+  if (r.landmarks.empty()) {
+    return {};
+  }
+  double squares = 0;
+  const LandmarkResidual* worst = &r.landmarks.front();
+  for (const LandmarkResidual& one : r.landmarks) {
+    squares += one.residual * one.residual;
+    worst = one.residual > worst->residual ? &one : worst;
+  }
+  return format_text("%d, distance to their targets: RMS %.3g, largest %.3g at \"",
+                     static_cast<int>(r.landmarks.size()), std::sqrt(squares / static_cast<double>(r.landmarks.size())),
+                     worst->residual) +
+         worst->name + "\" (vertex " + std::to_string(worst->vertex) + ")";
+}
 
 std::string counted(int number, const char* one, const char* several) {
   return std::to_string(number) + " " + (number == 1 ? one : several);
 }
 
-std::string quality_line(const EditReport& report) {
-  std::string line = format_text("\nVolume: %+.3g", report.volume_change);
-  if (report.is_body) {
-    line += format_text(" (%+.3g %%)", 100 * report.volume_change / report.volume);
-  }
-  if (report.detail_height) {
-    line += format_text("; height of detail: %.3g %%", 100 * *report.detail_height);
-  }
-  if (report.iterations > 1) {
-    line += format_text("; the last pass still rotated by %.3g degrees", report.rotation_left);
-  }
-  line += format_text("; triangles folded over: %d", report.folded);
-  if (report.new_intersections) {
-    line += format_text("; new self-intersections: %d", *report.new_intersections);
-  }
-  return line;
+}  // namespace
+
+const std::vector<Figure>& report_table() {
+  constexpr auto kNotZero = Figure::Shown::NotZero;
+  constexpr auto kNotInFits = Figure::Shown::NotInFits;
+  constexpr auto kAlways = Figure::Shown::Always;
+  static const std::vector<Figure> table = {
+      {"handle", of<&R::handle>, "Region: %d handle"},
+      {"free", of<&R::free>, ", %d free"},
+      {"anchors", of<&R::anchors>, ", %d anchor vertices"},
+      {"fixed", of<&R::fixed>, "; %d fixed"},
+      {"mesh_vertices", of<&R::mesh_vertices>, " of %d"},
+      {"left_out", of<&R::left_out>, "; %d in parts of the region without a handle stay", kNotZero},
+      {"welded", of<&R::welded>, "; %d more at the places of these move along", kNotZero},
+
+      {"fit/to", fit<&F::scan>, "\nFit to %s"},
+      {"fit/mode", fit<&F::mode>, ", mode %s"},
+      {"fit/align", fit<&F::aligned>, "; alignment: %s"},
+      {"fit/by_landmarks", [](const R& r) { return r.fit ? Value(r.fit->by_landmarks.has_value()) : Value(); },
+       " by landmarks", kNotZero},
+      {"fit/scale", fit<&F::scale>, ", scale %.4g"},
+      {"fit/alignment", fit<&F::alignment>, ", RMS %.3g of the nearest 80 %%"},
+      {"fit/other_alignment", fit<&F::second>, " (another orientation: %.3g)"},
+      {"fit/stages", fit<&F::stages>, "; %d stages"},
+      {"fit/rounds", fit<&F::rounds>, ", %d rounds"},
+      {"fit/reversed_normals", fit<&F::reversed_normals>, "; the scan's normals were taken as reversed", kNotZero},
+      {"fit/size_ratio", fit<&F::size_ratio>},
+      {"fit/to_scan/matched", distance<&F::to_scan, &D::matched>, "\nTemplate to scan: %.3g %% matched", kAlways, 100},
+      {"fit/to_scan/rms", distance<&F::to_scan, &D::rms>, ", distance RMS %.3g"},
+      {"fit/to_scan/median", distance<&F::to_scan, &D::median>, ", median %.3g"},
+      {"fit/to_scan/most", distance<&F::to_scan, &D::most>, ", 95 %% %.3g"},
+      {"fit/to_scan/largest", distance<&F::to_scan, &D::largest>, ", largest %.3g"},
+      {"fit/from_scan/matched", distance<&F::from_scan, &D::matched>, "\nScan to template: %.3g %% matched", kAlways,
+       100},
+      {"fit/from_scan/rms", distance<&F::from_scan, &D::rms>, ", distance RMS %.3g"},
+      {"fit/from_scan/median", distance<&F::from_scan, &D::median>, ", median %.3g"},
+      {"fit/from_scan/most", distance<&F::from_scan, &D::most>, ", 95 %% %.3g"},
+      {"fit/from_scan/largest", distance<&F::from_scan, &D::largest>, ", largest %.3g"},
+
+      {"method", [](const R& r) -> Value { return std::string(name(r.settings.method)); }, "\nMethod: %s", kNotInFits},
+      {"laplacian", [](const R& r) -> Value { return std::string(name(r.settings.laplacian)); }, "; operator: %s",
+       kNotInFits},
+      {"order", [](const R& r) -> Value { return r.settings.order; }, " of order %d", kNotInFits},
+      {"uniform_edges", of<&R::uniform_edges>, ", %d edges at degenerate triangles took the uniform weight", kNotZero},
+      {"membrane", [](const R& r) -> Value { return r.settings.membrane; }},
+      {nullptr,
+       [](const R& r) {
+         const bool differs = r.settings.membrane != EditSettings::of(r.settings.method).membrane;
+         return differs ? Value(r.settings.membrane) : Value();
+       },
+       ", membrane %.6g", kNotInFits},
+      {"iterations", of<&R::iterations>},
+      {nullptr, [](const R& r) { return r.iterations > 0 ? counted(r.iterations, "pass", "passes") : Value(); },
+       "; %s"},
+      {"normal_radius", of<&R::normal_radius>, ", normal radius %.6g", kNotZero},
+      {nullptr,
+       [](const R& r) -> Value {
+         return r.settings.rough == EditSettings().rough ? std::string() : name(r.settings.rough);
+       },
+       ", rotations from the %s", kNotInFits},
+      {"factor_reused", of<&R::factor_reused>},
+
+      {"handle_displacement", of<&R::handle_displacement>, "\nHandle: to move %.6g", kNotInFits},
+      {"handle_residual", of<&R::handle_residual>, ", distance to its target %.3g", kNotInFits},
+      {nullptr,
+       [](const R& r) -> Value { return r.handle_displacement > 0 ? r.handle_residual / r.handle_displacement : 0.0; },
+       " (%.3g %%)", kNotInFits, 100},
+      {"anchor_residual", of<&R::anchor_residual>, "; anchors moved at most %.3g", kNotInFits},
+      {"handle_point_distance", of<&R::handle_point_distance>, "; its vertex is %.3g from the handle point"},
+      {nullptr, landmark_line, "\nLandmarks: %s"},
+      {"landmark_conversion",
+       [](const R& r) { return r.landmark_conversion.empty() ? Value() : Value(r.landmark_conversion); },
+       "\nLandmarks were converted to the coordinate system of the mesh: %s", kNotInFits},
+
+      {"rotation_mean", of<&R::rotation_mean>, "\nDetail rotation: mean %.3g"},
+      {"rotation_max", of<&R::rotation_max>, ", largest %.3g degrees"},
+      {"stretch_rms", of<&R::stretch_rms>, "; edge stretch: RMS %.3g %%", kAlways, 100},
+      {"stretch_max", of<&R::stretch_max>, ", largest %.3g %%", kAlways, 100},
+      {"flipped", of<&R::flipped>, "; triangles flipped: %d"},
+      {"volume", of<&R::volume>},
+      {"volume_change", of<&R::volume_change>, "\nVolume: %+.3g"},
+      {nullptr, [](const R& r) { return r.is_body ? Value(r.volume_change / r.volume) : Value(); }, " (%+.3g %%)",
+       kAlways, 100},
+      {"rotation_left", of<&R::rotation_left>},
+      {nullptr, [](const R& r) { return r.iterations > 1 ? Value(r.rotation_left) : Value(); },
+       "; the last pass still rotated by %.3g degrees"},
+      {"folded", of<&R::folded>, "; triangles folded over: %d"},
+      {"new_intersections", of<&R::new_intersections>, "; new self-intersections: %d"},
+
+      {"milliseconds/region", of<&R::region_ms>, "\nMilliseconds: region %.1f"},
+      {"milliseconds/operator", of<&R::operator_ms>, ", operator %.1f", kNotInFits},
+      {"milliseconds/factorisation", of<&R::factor_ms>, ", factor %.1f", kNotInFits},
+      {"milliseconds/rotations", of<&R::rotations_ms>, ", rotate %.2f", kNotInFits},
+      {"milliseconds/solve", of<&R::solve_ms>, ", solve %.2f"},
+      {"advice", [](const R& r) -> Value { return r.advice(); }, "\n%s"}};
+  return table;
 }
 
-std::string shape_line(const EditReport& report) {
-  return format_text(
-      "\nDetail rotation: mean %.3g, largest %.3g degrees; edge stretch: RMS %.3g %%, largest %.3g %%; triangles "
-      "flipped: %d",
-      report.rotation_mean, report.rotation_max, 100 * report.stretch_rms, 100 * report.stretch_max, report.flipped);
+std::string EditReport::text() const {
+  std::string text;
+  for (const Figure& figure : report_table()) {
+    if (figure.text == nullptr || (fit && figure.shown == Figure::Shown::NotInFits)) {
+      continue;
+    }
+    const Value value = figure.get(*this);
+    const auto add = [&](const auto& shown) {
+      using Type = std::decay_t<decltype(shown)>;
+      if constexpr (std::is_same_v<Type, std::string>) {
+        text += shown.empty() ? "" : format_text(figure.text, shown.c_str());
+      } else if constexpr (std::is_arithmetic_v<Type>) {
+        constexpr bool kReal = std::is_same_v<Type, double>;
+        if (shown != Type() || figure.shown != Figure::Shown::NotZero) {
+          text += kReal ? format_text(figure.text, figure.factor * shown) : format_text(figure.text, shown);
+        }
+      }
+    };
+    std::visit(add, value);
+  }
+  return text;
 }
 
-std::string landmark_line(const std::vector<LandmarkResidual>& landmarks) {
-  if (landmarks.empty()) {
-    return {};
+namespace {
+
+struct Check {
+  bool applies;
+  std::string sentence;
+};
+
+/// Returns the sentences of the first `most` checks that apply.
+std::string sentences(std::initializer_list<Check> checks, int most) {
+  std::string all;
+  for (const Check& check : checks) {
+    if (check.applies && !check.sentence.empty() && most-- > 0) {
+      all += (all.empty() ? "" : " ") + check.sentence;
+    }
   }
-  double squares = 0;
-  const LandmarkResidual* worst = &landmarks.front();
-  for (const LandmarkResidual& one : landmarks) {
-    squares += one.residual * one.residual;
-    worst = one.residual > worst->residual ? &one : worst;
-  }
-  return format_text("\nLandmarks: %d, distance to their targets: RMS %.3g, largest %.3g at \"",
-                     static_cast<int>(landmarks.size()), std::sqrt(squares / static_cast<double>(landmarks.size())),
-                     worst->residual) +
-         worst->name + "\" (vertex " + std::to_string(worst->vertex) + ")";
+  return all;
 }
 
 /// Returns the name of a vertex in brackets, empty if it is no landmark.
@@ -63,252 +207,165 @@ std::string name_at(int vertex, const std::vector<LandmarkResidual>& landmarks) 
   return found == landmarks.end() ? "" : " (\"" + found->name + "\")";
 }
 
+/// Returns advice on a region that nothing holds.
+std::string advice_on_hold(const R& r) {
+  return "Nothing holds the surface, since the region reaches no vertex that stays: all of it moves with the handle. " +
+         (r.causes.by_radius ? format_text("Give a radius below %.6g, ", r.causes.farthest)
+                             : std::string("Leave a part of the surface out of the region, ")) +
+         "or add a handle group that stays.";
+}
+
+std::string advice_on_fit(const F& fit) {
+  constexpr double kOtherUnit = 5, kHalf = 0.5, kAmbiguous = 1.05, kMany = 0.15, kFar = 0.02, kContradict = 0.6;
+  const double contradiction = fit.by_landmarks.value_or(0),
+               matched = std::min(fit.to_scan.matched, fit.from_scan.matched);
+  return sentences(
+      {{std::max(fit.size_ratio, 1 / fit.size_ratio) > kOtherUnit,
+        format_text("The scan is %.3g times as large as the template: check whether both have the same unit.",
+                    fit.size_ratio)},
+       {contradiction > kContradict,
+        format_text("The landmarks do not match: after the alignment their distances to the targets are %.3g of those "
+                    "of the targets to their mean (RMS): check that each has the target that belongs to it, and that "
+                    "left and right are not exchanged.",
+                    contradiction)},
+       {matched < kHalf,
+        format_text("Only %.3g %% of the %s: check the alignment, and that normals point outwards, or give landmarks.",
+                    100 * matched,
+                    fit.to_scan.matched < fit.from_scan.matched ? "template found a partner on the scan"
+                                                                : "scan found a partner on the template")},
+       {fit.opposed > kMany,
+        format_text("The normals of %.3g %% of the scan point to the other side than the rest: orient its faces "
+                    "coherently, for example with MeshLab's filter \"Re-Orient all faces coherently\".",
+                    100 * fit.opposed)},
+       {fit.from_scan.rms > kFar * fit.size,
+        format_text("Parts of the scan are still far from the template (RMS %.3g): remove inner layers and what does "
+                    "not belong to the object, or give landmarks.",
+                    fit.from_scan.rms)},
+       {fit.second && *fit.second < kAmbiguous * fit.alignment,
+        format_text("Another orientation fits almost as well after the alignment (RMS %.3g and %.3g): check that the "
+                    "template is not upside down, turned round or a mirror image, or give three landmarks.",
+                    fit.second.value_or(0), fit.alignment)},
+       {fit.mode == "pose" && fit.landmarks < 3,
+        "Without landmarks limbs can be matched to the wrong parts of the scan: check them, or give landmarks at "
+        "their ends."}},
+      1);
+}
+
+/// Returns advice on a component that turned inside out or collapsed.
+std::string advice_on_volume(const R& r) {
+  const LostVolume& lost = r.causes.lost;
+  const bool inside_out = (lost.after < 0) != (lost.before < 0);
+  const std::string sentence =
+      "The surface of vertex " + std::to_string(lost.vertex) +
+      (inside_out ? format_text(" turned inside out, from a volume of %.3g to %.3g: ", lost.before, lost.after)
+                  : format_text(" lost %.3g %% of its volume: ", 100 * (1 - lost.after / lost.before)));
+  if (lost.mirrored) {
+    return sentence + "give maps that do not mirror, or reverse the orientation of its faces.";
+  }
+  if (r.has_targets) {
+    return sentence + (r.targets_advice.empty()
+                           ? "check the targets, for example whether left and right or two names are exchanged."
+                           : "for the targets " + r.targets_advice + ".");
+  }
+  return sentence + (r.handle_displacement > r.causes.reach ? "use a larger region, or make the edit in two steps."
+                                                            : "make the edit in two steps.");
+}
+
+bool has_long_edges(const R& r) {
+  constexpr double kFar = 5;
+  return r.stretch_max > kFar;
+}
+
+bool has_stretched_area(const R& r) {
+  constexpr double kLargeArea = 0.05;
+  return !r.has_targets && !r.fit && r.causes.stretched_area > kLargeArea;
+}
+
 /// Returns advice on folds, intersections and stretch.
-std::string advice_on_shape(const EditReport& report) {
-  constexpr double kFar = 5, kLargeArea = 0.05;
-  const int meeting = report.new_intersections.value_or(0);
+std::string advice_on_shape(const R& r) {
   std::string sentence;
-  if (report.folded > 0) {
-    sentence = counted(report.folded, "triangle", "triangles") + " folded over near vertex " +
-               std::to_string(report.causes.near);
-  } else if (meeting > 0) {
+  if (r.folded > 0) {
+    sentence = counted(r.folded, "triangle", "triangles") + " folded over near vertex " + std::to_string(r.causes.near);
+  } else if (const int meeting = r.new_intersections.value_or(0); meeting > 0) {
     sentence = counted(meeting, "pair", "pairs") + " of triangles came to intersect";
   }
-  if (report.stretch_max > kFar) {
-    sentence += std::string(sentence.empty() ? "An" : ", and an") + " edge at vertex " +
-                std::to_string(report.causes.stretched) +
-                format_text(" became %.3g times as long", 1 + report.stretch_max);
+  if (has_long_edges(r)) {
+    sentence += (sentence.empty() ? "An" : ", and an") +
+                format_text(" edge at vertex %d became %.3g times as long", r.causes.stretched, 1 + r.stretch_max);
   }
-  const bool stretched = !report.has_targets && !report.fit && report.causes.stretched_area > kLargeArea;
-  if (stretched) {
+  if (has_stretched_area(r)) {
     sentence +=
         (sentence.empty() ? "" : ", and ") + format_text("%.0f %% of the region became more than %.3g times as long",
-                                                         100 * report.causes.stretched_area, kStretched);
+                                                         100 * r.causes.stretched_area, kStretched);
   }
-  if (sentence.empty()) {
-    return {};
+  if (!r.targets_advice.empty()) {
+    return sentence + ": for the targets " + r.targets_advice + ".";
   }
   std::vector<const char*> ways;
-  if (stretched || report.handle_displacement > report.causes.reach) {
-    ways.push_back("use a larger region");
-  }
-  if (!report.targets_advice.empty()) {
-    return sentence + ": for the targets " + report.targets_advice + ".";
-  }
-  if (report.has_targets) {
-    ways.push_back("check the targets near it");
-    ways.push_back("lower the weights of landmarks that contradict each other");
-  } else if (report.causes.lone_handle) {
-    ways.push_back("use a group of vertices as the handle");
-  }
-  if (report.fit) {
-    ways.push_back("raise the detail of the fit");
-    ways.push_back("exclude the vertices near it");
-    ways.push_back("give landmarks");
-  }
-  if (report.settings.order > 1) {
-    ways.push_back("use order 1");
-  }
-  if (report.causes.rotation > 90 || ways.empty()) {
-    ways.push_back("make the edit in two steps");
-  }
+  const auto add = [&ways](bool helps, std::initializer_list<const char*> more) {
+    ways.insert(ways.end(), more.begin(), helps ? more.end() : more.begin());
+  };
+  add(has_stretched_area(r) || r.handle_displacement > r.causes.reach, {"use a larger region"});
+  add(r.has_targets, {"check the targets near it", "lower the weights of landmarks that contradict each other"});
+  add(!r.has_targets && r.causes.lone_handle, {"use a group of vertices as the handle"});
+  add(r.fit.has_value(), {"raise the detail of the fit", "exclude the vertices near it", "give landmarks"});
+  add(r.settings.order > 1, {"use order 1"});
+  add((!r.fit && r.causes.rotation > 90) || ways.empty(), {"make the edit in two steps"});
   for (std::size_t k = 0; k < ways.size(); ++k) {
     sentence += std::string(k == 0 ? ": " : k + 1 < ways.size() ? ", " : ", or ") + ways[k];
   }
   return sentence + ".";
 }
 
-/// Returns advice on rotations that did not converge. The automatic number of passes stops before details have
-/// converged, since more passes flatten limbs. In this case the advice is only for whole limbs that still rotate.
-std::string advice_on_rotations(const EditReport& report) {
-  constexpr double kUnsettled = 10, kUnsettledPart = 45;
-  constexpr int kMostPasses = 100;
-  const bool automatic = report.settings.iterations == 0;
-  if (report.iterations < 2 || !(report.rotation_left > (automatic ? kUnsettledPart : kUnsettled))) {
-    return {};
-  }
-  std::string where;
-  if (report.causes.unsettled >= 0) {
-    where =
-        " at vertex " + std::to_string(report.causes.unsettled) + name_at(report.causes.unsettled, report.landmarks);
-    where += report.causes.unsettled_group < 0
-                 ? ""
-                 : ", nearest to handle group " + std::to_string(report.causes.unsettled_group) + ",";
-  }
-  return "The rotations" + where +
-         format_text(" have not converged after %d passes, the last of which rotated a detail by %.3g degrees: ",
-                     report.iterations, report.rotation_left) +
-         (automatic                         ? "make the edit in two steps, or use a larger region."
-          : report.iterations < kMostPasses ? "raise iterations."
-                                            : "make the edit in two steps.");
+bool is_far_from_target(const R& r, double distance) {
+  constexpr double kBehind = 0.1;
+  return r.handle_displacement > 0 && distance > kBehind * r.handle_displacement;
 }
 
-/// Returns advice on a component that turned inside out or collapsed.
-std::string advice_on_volume(const EditReport& report) {
-  const LostVolume& lost = report.causes.lost;
-  if (lost.vertex < 0) {
-    return {};
-  }
-  const bool inside_out = (lost.after < 0) != (lost.before < 0);
-  std::string sentence = "The surface of vertex " + std::to_string(lost.vertex);
-  sentence += inside_out ? format_text(" turned inside out, from a volume of %.3g to %.3g: ", lost.before, lost.after)
-                         : format_text(" lost %.3g %% of its volume: ", 100 * (1 - lost.after / lost.before));
-  if (lost.mirrored) {
-    return sentence + "give maps that do not mirror, or reverse the orientation of its faces.";
-  }
-  if (report.has_targets) {
-    return sentence + (report.targets_advice.empty()
-                           ? "check the targets, for example whether left and right or two names are exchanged."
-                           : "for the targets " + report.targets_advice + ".");
-  }
-  return sentence + (report.handle_displacement > report.causes.reach
-                         ? "use a larger region, or make the edit in two steps."
-                         : "make the edit in two steps.");
+/// Returns advice on a handle that does not reach its target.
+std::string advice_on_handle(const R& r) {
+  return format_text("The handle is %.3g, or %.3g %% of its displacement, from its target at vertex %d",
+                     r.causes.distance, 100 * r.causes.distance / r.handle_displacement, r.causes.behind) +
+         name_at(r.causes.behind, r.landmarks) +
+         (is_far_from_target(r, r.causes.step)
+              ? format_text(", where the mesh keeps coordinates in steps of %.3g: move the mesh to the origin.",
+                            r.causes.step)
+          : r.has_targets ? ": raise handle_weight, or check that target."
+                          : ": raise handle_weight, or use a larger region.");
+}
+
+/// Returns whether rotations have not converged. The automatic number of passes stops before details have converged,
+/// since more passes flatten limbs. In this case the advice is only for whole limbs that still rotate.
+bool is_unsettled(const R& r) {
+  constexpr double kUnsettled = 10, kUnsettledPart = 45;
+  return r.iterations > 1 && r.rotation_left > (r.settings.iterations == 0 ? kUnsettledPart : kUnsettled);
+}
+
+std::string advice_on_rotations(const R& r) {
+  constexpr int kMostPasses = 100;
+  const int vertex = r.causes.unsettled, group = r.causes.unsettled_group;
+  return "The rotations" +
+         (vertex < 0 ? std::string() : " at vertex " + std::to_string(vertex) + name_at(vertex, r.landmarks)) +
+         (vertex < 0 || group < 0 ? "" : ", nearest to handle group " + std::to_string(group) + ",") +
+         format_text(" have not converged after %d passes, the last of which rotated a detail by %.3g degrees: ",
+                     r.iterations, r.rotation_left) +
+         (r.settings.iterations == 0   ? "make the edit in two steps, or use a larger region."
+          : r.iterations < kMostPasses ? "raise iterations."
+                                       : "make the edit in two steps.");
 }
 
 }  // namespace
 
 std::string EditReport::advice() const {
-  constexpr double kBehind = 0.1;
-  constexpr std::size_t kMostSentences = 2;
-  std::vector<std::string> sentences;
-  if (causes.unheld && handle_displacement > 0) {
-    sentences.push_back(
-        "Nothing holds the surface, since the region reaches no vertex that stays: all of it moves with the handle. " +
-        (causes.by_radius ? format_text("Give a radius below %.6g, ", causes.farthest)
-                          : std::string("Leave a part of the surface out of the region, ")) +
-        "or add a handle group that stays.");
-  }
-  for (const std::string& sentence :
-       {fit ? fit->advice() : "", advice_on_volume(*this), causes.rigid ? std::string() : advice_on_shape(*this)}) {
-    if (!sentence.empty()) {
-      sentences.push_back(sentence);
-    }
-  }
-  if (handle_displacement > 0 && causes.distance > kBehind * handle_displacement) {
-    sentences.push_back(
-        format_text("The handle is %.3g, or %.3g %% of its displacement, from its target at vertex %d", causes.distance,
-                    100 * causes.distance / handle_displacement, causes.behind) +
-        name_at(causes.behind, landmarks) +
-        (causes.step > kBehind * handle_displacement
-             ? format_text(", where the mesh keeps coordinates in steps of %.3g: move the mesh to the origin.",
-                           causes.step)
-         : has_targets ? ": raise handle_weight, or check that target."
-                       : ": raise handle_weight, or use a larger region."));
-  }
-  if (const std::string sentence = causes.rigid ? std::string() : advice_on_rotations(*this); !sentence.empty()) {
-    sentences.push_back(sentence);
-  }
-  std::string text;
-  for (std::size_t k = 0; k < std::min(sentences.size(), kMostSentences); ++k) {
-    text += (k > 0 ? " " : "") + sentences[k];
-  }
-  return text;
-}
-
-std::string EditReport::text() const {
-  std::string lines = format_text("Region: %d handle, %d free, %d anchor vertices; %d fixed of %d", handle, free,
-                                  anchors, fixed, mesh_vertices);
-  if (left_out > 0) {
-    lines += format_text("; %d in parts of the region without a handle stay", left_out);
-  }
-  if (welded > 0) {
-    lines += format_text("; %d more at the places of these move along", welded);
-  }
-  if (fit) {
-    lines += "\n" + fit->text();
-    lines.pop_back();
-    lines += landmark_line(landmarks);
-    lines += shape_line(*this) + quality_line(*this);
-    lines += format_text("\nMilliseconds: region %.1f, align %.1f, factor %.1f, pairs %.1f, solve %.1f", region_ms,
-                         fit->align_ms, fit->factor_ms, fit->pairs_ms, fit->solve_ms);
-    const std::string hint = advice();
-    return hint.empty() ? lines : lines + "\n" + hint;
-  }
-  lines += format_text("\nMethod: %s; operator: %s of order %d", name(settings.method), name(settings.laplacian),
-                       settings.order);
-  if (uniform_edges > 0) {
-    lines += format_text(", %d edges at degenerate triangles took the uniform weight", uniform_edges);
-  }
-  if (settings.membrane != EditSettings::of(settings.method).membrane) {
-    lines += format_text(", membrane %.6g", settings.membrane);
-  }
-  if (iterations > 0) {
-    lines += format_text("; %d %s", iterations, iterations == 1 ? "pass" : "passes");
-  }
-  if (normal_radius > 0) {
-    lines += format_text(", normal radius %.6g", normal_radius);
-  }
-  if (settings.rough != EditSettings().rough) {
-    lines += format_text(", rotations from the %s", name(settings.rough));
-  }
-  lines += format_text("; solver: %s", solver.c_str());
-  if (refinements > 0) {
-    lines += format_text(", %d refinement steps", refinements);
-  }
-  lines += format_text("\nHandle: to move %.6g, distance to its target %.3g (%.3g %%); anchors moved at most %.3g",
-                       handle_displacement, handle_residual,
-                       handle_displacement > 0 ? 100 * handle_residual / handle_displacement : 0.0, anchor_residual);
-  if (handle_point_distance) {
-    lines += format_text("; its vertex is %.3g from the handle point", *handle_point_distance);
-  }
-  lines += landmark_line(landmarks);
-  if (!landmark_conversion.empty()) {
-    lines += "\nLandmarks were converted to the coordinate system of the mesh: " + landmark_conversion;
-  }
-  lines += shape_line(*this);
-  lines += format_text("; normal-equation residual %.2g", normal_equation_residual);
-  lines += quality_line(*this);
-  lines += format_text(
-      "\nMilliseconds: region %.1f, operator %.1f, factor %.1f, smoothing table %.1f, rough solve %.2f, normals %.2f, "
-      "rotate %.2f, solve %.2f",
-      region_ms, operator_ms, factor_ms, kernel_ms, unrotated_ms, normals_ms, rotate_ms, solve_ms);
-  const std::string hint = advice();
-  return hint.empty() ? lines : lines + "\n" + hint;
-}
-
-std::vector<Figure> EditReport::figures() const {
-  using Value = decltype(Figure::value);
-  return {{"mesh_vertices", mesh_vertices},
-          {"handle", handle},
-          {"free", free},
-          {"anchors", anchors},
-          {"fixed", fixed},
-          {"left_out", left_out},
-          {"welded", welded},
-          {"method", name(settings.method)},
-          {"laplacian", name(settings.laplacian)},
-          {"order", settings.order},
-          {"membrane", settings.membrane},
-          {"iterations", iterations},
-          {"normal_radius", normal_radius},
-          {"uniform_edges", uniform_edges},
-          {"solver", solver},
-          {"refinements", refinements},
-          {"factor_reused", factor_reused},
-          {"normal_equation_residual", normal_equation_residual},
-          {"handle_point_distance", handle_point_distance ? Value(*handle_point_distance) : Value()},
-          {"handle_displacement", handle_displacement},
-          {"handle_residual", handle_residual},
-          {"anchor_residual", anchor_residual},
-          {"rotation_mean", rotation_mean},
-          {"rotation_max", rotation_max},
-          {"stretch_rms", stretch_rms},
-          {"stretch_max", stretch_max},
-          {"flipped", flipped},
-          {"folded", folded},
-          {"volume", volume},
-          {"volume_change", volume_change},
-          {"detail_height", detail_height ? Value(*detail_height) : Value()},
-          {"rotation_left", rotation_left},
-          {"landmark_conversion", landmark_conversion.empty() ? Value() : Value(landmark_conversion)},
-          {"new_intersections", new_intersections ? Value(*new_intersections) : Value()},
-          {"advice", advice()}};
-}
-
-std::vector<Figure> EditReport::times() const {
-  return {{"region", region_ms},   {"operator", operator_ms}, {"factorisation", factor_ms}, {"smoothing", kernel_ms},
-          {"rough", unrotated_ms}, {"normals", normals_ms},   {"rotations", rotate_ms},     {"solve", solve_ms}};
+  const R& r = *this;
+  const bool shape = folded > 0 || new_intersections.value_or(0) > 0 || has_long_edges(r) || has_stretched_area(r);
+  return sentences({{causes.unheld && handle_displacement > 0, advice_on_hold(r)},
+                    {fit.has_value(), fit ? advice_on_fit(*fit) : ""},
+                    {causes.lost.vertex >= 0, advice_on_volume(r)},
+                    {!causes.rigid && shape, advice_on_shape(r)},
+                    {is_far_from_target(r, causes.distance), advice_on_handle(r)},
+                    {!causes.rigid && is_unsettled(r), advice_on_rotations(r)}},
+                   2);
 }
 
 }  // namespace lapedit

@@ -12,18 +12,6 @@
 
 namespace lapedit {
 
-/// Numbers of vertices in the mesh and in its region, by class.
-struct RegionCounts {
-  int mesh_vertices = 0, handle = 0, free = 0, anchors = 0, fixed = 0, left_out = 0;
-  int welded = 0;  ///< other vertices at the places of the region's, which have their positions
-};
-
-/// Times of an edit's stages in milliseconds.
-struct EditTimes {
-  double region_ms = 0, operator_ms = 0, factor_ms = 0, kernel_ms = 0, unrotated_ms = 0, normals_ms = 0, rotate_ms = 0,
-         solve_ms = 0;
-};
-
 /// A component of the region that turned inside out, or lost more than half of the volume that the handles' motions
 /// leave it.
 struct LostVolume {
@@ -56,10 +44,21 @@ struct AdviceCauses {
   LostVolume lost;
 };
 
-/// Figures on the quality of the result.
-struct EditQuality {
-  double normal_equation_residual = 0;  ///< RefinedSolver::relative_residual(), usually at rounding level
-  double handle_displacement = 0;       ///< largest displacement from a handle vertex to its target
+/// The distance of a landmark to its target.
+struct LandmarkResidual {
+  std::string name;
+  int vertex = -1;      ///< of the mesh
+  double residual = 0;  ///< distance to its target, model units
+};
+
+/// Times of an edit's stages in milliseconds.
+struct EditTimes {
+  double region_ms = 0, operator_ms = 0, factor_ms = 0, rotations_ms = 0, solve_ms = 0;
+};
+
+/// Measures of the result.
+struct EditMeasures {
+  double handle_displacement = 0;  ///< largest displacement from a handle vertex to its target
   /// Largest distance of a handle vertex, as stored, from its target, over the vertices with the largest weight of each
   /// group.
   double handle_residual = 0;
@@ -71,40 +70,24 @@ struct EditQuality {
   int folded = 0;          ///< triangles that did so against the surface around them, whatever the detail rotations
   double volume = 0;       ///< before the edit, see enclosed_volume()
   double volume_change = 0;
-  bool is_body = false;  ///< whether a percentage of the volume is meaningful, as it is not in a nearly flat region
-  std::optional<double> detail_height;   ///< see detail_height(); empty but with EditMethod::Paper
-  double rotation_left = 0;              ///< largest change of a detail rotation in the last pass; 0 without passes
+  bool is_body = false;      ///< whether a percentage of the volume is meaningful, as it is not in a nearly flat region
+  double rotation_left = 0;  ///< largest change of a detail rotation in the last pass; 0 without passes
   std::optional<int> new_intersections;  ///< pairs of triangles that intersect only after the edit; counted by callers
   AdviceCauses causes;
 };
 
-/// A figure of a report with its name in JSON and Python; the value is empty if it is unknown.
-struct Figure {
-  const char* name;
-  std::variant<std::monostate, bool, int, double, std::string> value;
-};
-
-/// The distance of a landmark to its target.
-struct LandmarkResidual {
-  std::string name;
-  int vertex = -1;      ///< of the mesh
-  double residual = 0;  ///< distance to its target, model units
-};
-
 /// The figures of an edit. Lengths are in model units, angles in degrees, times in milliseconds.
-struct EditReport : RegionCounts, EditTimes, EditQuality {
+struct EditReport : EditTimes, EditMeasures {
+  // Numbers of vertices in the mesh and in its region, by class.
+  int mesh_vertices = 0, handle = 0, free = 0, anchors = 0, fixed = 0, left_out = 0;
+  int welded = 0;  ///< other vertices at the places of the region's, which have their positions
   EditSettings settings;
-  std::string solver;          ///< name of the factorisation
   int iterations = 0;          ///< passes that were made
   double normal_radius = 0;    ///< the radius used; 0 without smooth normals
   int uniform_edges = 0;       ///< see DifferentialOperator
-  int refinements = 0;         ///< iterative refinement steps per solve
   bool factor_reused = false;  ///< whether the previous system's factor was reused
   /// Distance from a handle's given point to the nearest vertex; empty if no point was given.
   std::optional<double> handle_point_distance;
-  /// Everything that was reused of the previous system: "nothing", or "operator", "factor" and, if the factor is new,
-  /// the matrix's "ordering" or its "analysis" (which includes the ordering), as in "operator and factor".
-  std::string reused = "nothing";
   bool has_targets = false;                 ///< whether single vertices had targets
   std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks; empty for a step
   std::string landmark_conversion;          ///< of coordinate systems, as in "from RAS to LPS"; empty: none
@@ -114,16 +97,26 @@ struct EditReport : RegionCounts, EditTimes, EditQuality {
   /// Returns several lines of plain text for a log, without a trailing newline.
   std::string text() const;
 
-  /// Returns all figures except times.
-  std::vector<Figure> figures() const;
-  /// Returns times in milliseconds, by stage.
-  std::vector<Figure> times() const;
-
   /// Returns at most two sentences of advice on, in this order, a region that nothing holds, surfaces that
   /// turned inside out or lost most of their volume, folded or intersecting triangles, edges that became
   /// more than six times as long, handles far from their targets, and rotations that have not converged; otherwise an
   /// empty string. Shape and rotations of a result that moved rigidly get no advice.
   std::string advice() const;
 };
+
+/// A figure of a report. Text, JSON, Python and MeshLab's filters list the figures of report_table().
+struct Figure {
+  using Value = std::variant<std::monostate, bool, int, double, std::string>;
+  enum class Shown { Always, NotZero, NotInFits };
+
+  const char* key;                  ///< in JSON, with / between levels; null: in the text only
+  Value (*get)(const EditReport&);  ///< empty if the figure is unknown
+  const char* text = nullptr;       ///< pattern of the value in the text, as for printf; null: in JSON only
+  Shown shown = Shown::Always;      ///< in the text; unknown figures and empty strings never are
+  double factor = 1;                ///< of a number in the text
+};
+
+/// Returns the figures in the order of the text.
+const std::vector<Figure>& report_table();
 
 }  // namespace lapedit

@@ -10,11 +10,9 @@ namespace lapedit {
 struct FitDistances {
   double matched = 0;                                 ///< fraction that found a partner
   double rms = 0, median = 0, most = 0, largest = 0;  ///< `most`: the 95 % quantile
-
-  std::string text() const;
 };
 
-/// The figures of the fit of a template to a scan. Lengths are in model units, times in milliseconds.
+/// The figures of the fit of a template to a scan. Lengths are in model units.
 struct FitReport {
   std::string mode, scan;
   std::string aligned;  ///< kind of alignment: "similarity", "rigid" or "none"
@@ -29,12 +27,6 @@ struct FitReport {
   double size = 1;                ///< of the scan
   double size_ratio = 1;          ///< size of the scan over that of the template
   int landmarks = 0, stages = 0, rounds = 0;
-  double align_ms = 0, factor_ms = 0, pairs_ms = 0, solve_ms = 0;
-
-  /// Returns lines for a log, with a trailing newline.
-  std::string text() const;
-  /// Returns a sentence of advice, or an empty string.
-  std::string advice() const;
 };
 
 }  // namespace lapedit

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "lapedit/base/progress.h"
-#include "lapedit/base/stopwatch.h"
 #include "lapedit/mesh/surface_measures.h"
 
 namespace lapedit {
@@ -105,8 +104,7 @@ Matrix3 FrameRotations::blended_ties(int i, const Vector3& n0, const Vector3& n1
   return about * rotation;
 }
 
-double FrameRotations::estimate(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations) {
-  const Stopwatch watch;
+void FrameRotations::estimate(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations) {
   if (!is_smooth_ || before_ != before) {
     is_smooth_ = false;
     before_ = before;
@@ -115,7 +113,6 @@ double FrameRotations::estimate(const Points& before, const Points& displacement
   }
   after_ = before_ + displacement;
   smooth(after_, normals_after_);
-  const double smoothing_ms = watch.elapsed();
   rotations.resize(region_.size());
   Checkpoints checkpoints;
   for (int i = 0; i < region_.size(); ++i) {
@@ -152,7 +149,6 @@ double FrameRotations::estimate(const Points& before, const Points& displacement
       rotations[i] = blended_ties(i, n0, n1, least, frame(n1, u1) * frame(n0, u0).transpose());
     }
   }
-  return smoothing_ms;
 }
 
 }  // namespace lapedit

@@ -20,9 +20,8 @@ class FrameRotations {
   /// @param displacement  pose after minus pose before
   /// @param rotations     out: one matrix (determinant +1) per vertex; exactly the identity where no vertex nearby
   ///                      moves
-  /// @return              milliseconds of the smoothing
   /// Cost: O(kernel entries) + O(edges). Nothing is allocated after the first call.
-  double estimate(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations);
+  void estimate(const Points& before, const Points& displacement, std::vector<Matrix3>& rotations);
 
  private:
   void smooth(const Points& pose, Points& normals);

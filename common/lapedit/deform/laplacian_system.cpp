@@ -63,7 +63,6 @@ class Preparation {
   void make_factor_and_kernel();
 
  private:
-  std::string reused(bool factor) const;
   bool is_sharp() const;
   bool factor_fits() const;
   bool factorise(bool reuse);
@@ -181,26 +180,14 @@ void Preparation::make_factor_and_kernel() {
   const bool apart = has_kernel && s_.pool->threads() > 1 && s_.region.size() >= kWorthAThread;
   // This pool is separate, since the factorisation uses the threads of s_.pool.
   ThreadPool(apart ? 2 : 1).each(has_kernel ? 2 : 1, [&](int k) {
-    const Stopwatch watch;
     if (k == 0) {
+      const Stopwatch watch;
       s_.figures.factor_reused = factorise(reuse);
-      s_.figures.reused = reused(s_.figures.factor_reused);
       s_.figures.factor_ms = watch.elapsed();
     } else {
       make_kernel();
-      s_.figures.kernel_ms = watch.elapsed();
     }
   });
-}
-
-std::string Preparation::reused(bool factor) const {
-  const std::string second = factor                                  ? "factor"
-                             : s_.matrix->cholesky.analysis_reused() ? "analysis"
-                             : order_reused_                         ? "ordering"
-                                                                     : "";
-  return operator_reused_ ? second.empty() ? "operator" : "operator and " + second
-         : second.empty() ? "nothing"
-                          : second;
 }
 
 /// Makes the factor, or reuses the old one, and checks that solutions converge.
@@ -210,7 +197,6 @@ bool Preparation::factorise(bool reuse) {
     s_.matrix = previous_->matrix;
     if (same_handles()) {
       s_.correction = previous_->correction;
-      s_.figures.refinements = previous_->figures.refinements;
       return true;
     }
     if (make_sure()) {
@@ -304,8 +290,8 @@ bool Preparation::make_sure() {
       right.row(i).setConstant(s_.squared_weights[i]);
     }
   }
-  s_.figures.refinements = solver.refine_to(right, x, kAccurate);
-  return s_.figures.refinements >= 0 && s_.figures.refinements <= most_steps;
+  const int steps = solver.refine_to(right, x, kAccurate);
+  return steps >= 0 && steps <= most_steps;
 }
 
 /// Makes the kernel that smooths normals (Lipman et al. 2004, section 6).

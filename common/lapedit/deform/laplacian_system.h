@@ -26,12 +26,10 @@ struct LaplacianPowers {
   Eigen::VectorXd links;    ///< link_strengths(), whose rows m has below those of M^k; empty without links
 };
 
-/// What making a system took, and what it reused.
+/// What making a system took, and whether it reused the factor.
 struct SystemFigures {
-  double operator_ms = 0, factor_ms = 0, kernel_ms = 0;
-  std::string reused;  ///< see EditReport::reused
+  double operator_ms = 0, factor_ms = 0;
   bool factor_reused = false;
-  int refinements = 0;  ///< steps to kAccurate without the correction
 };
 
 /// The linear system of an edit, independent of the handles' motions (paper, sections 3 and 7). prepare_system() makes

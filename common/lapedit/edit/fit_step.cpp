@@ -11,7 +11,6 @@
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit_step.h"
-#include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -74,24 +73,8 @@ Region fit_region(const TriangleMesh& mesh, const Adjacency& adjacency, const Re
 
 void measure(const Region& region, const Points& before, const Points& after, const std::vector<Matrix3>& rotations,
              EditReport& report) {
-  const EdgeStretch stretch = edge_stretch(region, before, after);
-  report.stretch_rms = stretch.rms;
-  report.stretch_max = stretch.largest;
-  report.causes.stretched = stretch.at < 0 ? -1 : region.mesh_vertex[stretch.at];
-  report.flipped = flipped_triangles(region, before, after, rotations);
-  if (report.flipped > 0) {
-    ThreadPool pool(1);
-    const std::vector<Matrix3> surface = surface_rotations(region, before, after, pool);
-    for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
-      if (is_flipped(region, f, before, after, surface)) {
-        ++report.folded;
-        report.causes.near = region.mesh_vertex[region.faces(f, 0)];
-      }
-    }
-  }
-  report.volume = enclosed_volume(region, before);
-  report.volume_change = enclosed_volume(region, after) - report.volume;
-  report.is_body = encloses_a_body(region, before, report.volume);
+  ThreadPool pool(1);
+  measure_shape(region, before, after, rotations, pool, report);
   if (const double now = report.volume + report.volume_change; report.is_body && (now < 0) != (report.volume < 0)) {
     report.causes.lost = {region.mesh_vertex[0], report.volume, now, false};
   }
@@ -137,12 +120,12 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   for (const FitLandmark& landmark : landmarks) {
     handle.push_back(landmark.vertex);
   }
-  const Stopwatch watch;
+  Stopwatch watch;
   report_progress(0, "region");
   const Region region = fit_region(mesh, adjacency, step.region, handle, options.threads);
   require_size(mesh, region);
   report_progress(0, "align");
-  const double region_ms = watch.elapsed();
+  const double region_ms = watch.lap();
   for (FitLandmark& landmark : landmarks) {
     landmark.vertex = index_in(region.mesh_vertex, landmark.vertex);
   }
@@ -160,6 +143,7 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   fitted.positions = std::move(result.positions);
   EditReport& report = fitted.report;
   report.region_ms = region_ms;
+  report.solve_ms = watch.elapsed();
   report.mesh_vertices = region.mesh_vertices;
   report.handle = static_cast<int>(landmarks.size());
   report.anchors = region.count(VertexClass::Anchor);

@@ -118,9 +118,7 @@ void StepSolver::make_cells() {
 }
 
 void StepSolver::make_cells(int threads) {
-  const Stopwatch watch;
   cells_ = std::make_unique<CellModel>(rest_, settings_, ThreadPool(threads));
-  preparation_.cells_ms = watch.elapsed();
 }
 
 std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMesh& mesh,
@@ -191,8 +189,7 @@ void StepSolver::correct(double accuracy) {
   constexpr double kStalled = 0.5, kUseless = 1e-6;
   const Stopwatch watch;
   double last = 0;  // none
-  int steps = 0;
-  for (bool again = true; again; ++steps) {
+  for (bool again = true; again;) {
     report_progress(0, "solve");
     residual_->compute(constraints_, rotations_, displacement_, left_);
     solver_->solve(left_, step_);
@@ -205,7 +202,6 @@ void StepSolver::correct(double accuracy) {
     again = accuracy < 1 && change > accuracy && !stalled && !(last > 0 && change * change / last < accuracy);
     last = change;
   }
-  figures_.refinements = std::max(figures_.refinements, steps);
   figures_.solve_ms += watch.elapsed();
 }
 
@@ -213,20 +209,21 @@ void StepSolver::correct(double accuracy) {
 /// solutions; or with EditMethod::Paper those of the unrotated solution's frames (Lipman et al. 2004, section 4, steps
 /// 1 and 2).
 void StepSolver::rotate() {
-  Stopwatch watch;
-  if (settings_.method == EditMethod::Paper) {
-    if (system_->falloff.empty()) {
-      correct(kExact);
-    } else {
+  const bool paper = settings_.method == EditMethod::Paper;
+  if (paper && system_->falloff.empty()) {
+    correct(kExact);
+  }
+  const Stopwatch watch;
+  if (paper) {
+    if (!system_->falloff.empty()) {
       constraints_.fall_off(system_->falloff, displacement_, pool());
     }
-    figures_.unrotated_ms = watch.lap();
-    figures_.normals_ms = frame_rotations_->estimate(constraints_.start(), displacement_, rotations_);
+    frame_rotations_->estimate(constraints_.start(), displacement_, rotations_);
   } else if (figures_.iterations > 0) {
     rotations_before_ = rotations_;
     cells_->fit(*system_, constraints_, ahead_(displacement_, figures_.iterations - 1), rotations_);
   }
-  figures_.rotate_ms += watch.elapsed() - figures_.normals_ms;
+  figures_.rotate_ms += watch.elapsed();
 }
 
 /// Performs the next pass. The last one of a pose settles it.
@@ -313,7 +310,7 @@ bool StepSolver::refine(Points& positions) {
   return true;
 }
 
-EditReport StepSolver::report(bool whole) const {
+EditReport StepSolver::report() const {
   EditReport report;
   report.mesh_vertices = region().mesh_vertices;
   report.handle = region().count(VertexClass::Handle);
@@ -325,49 +322,40 @@ EditReport StepSolver::report(bool whole) const {
   if (!system_) {
     return report;
   }
-  report.solver = system_->matrix->cholesky.backend_name();
   report.normal_radius = system_->normal_radius;
   report.uniform_edges = system_->powers.uniform_edges;
-  report.refinements = std::max(figures_.refinements, system_->figures.refinements);
   report.factor_reused = system_->figures.factor_reused;
-  report.reused = system_->figures.reused;
   if (preparation_.poses <= 1) {
     report.region_ms = preparation_.region_ms;
     report.operator_ms = system_->figures.operator_ms;
     report.factor_ms = system_->figures.factor_ms;
-    report.kernel_ms = system_->figures.kernel_ms + preparation_.cells_ms;
   } else {  // everything existed before this pose
     report.factor_reused = true;
-    report.reused = "operator and factor";
   }
   if (positions_.rows() == 0) {
     return report;
   }
-  report.unrotated_ms = figures_.unrotated_ms;
-  report.normals_ms = figures_.normals_ms;
-  report.rotate_ms = figures_.rotate_ms;
+  report.rotations_ms = figures_.rotate_ms;
   report.solve_ms = figures_.solve_ms;
-  EditQuality& quality = report;
-  quality = edit_quality(*system_, constraints_, positions_, rotations_);
-  quality.detail_height = whole ? detail_height(*system_, positions_) : std::nullopt;
-  quality.rotation_left = figures_.rotation_left;
+  measure_edit(*system_, constraints_, positions_, rotations_, report);
+  report.rotation_left = figures_.rotation_left;
   if (figures_.unsettled >= 0) {
-    quality.causes.unsettled = region().mesh_vertex[figures_.unsettled];
-    quality.causes.unsettled_group = nearest_of_several_groups(region(), rest_->local, figures_.unsettled);
+    report.causes.unsettled = region().mesh_vertex[figures_.unsettled];
+    report.causes.unsettled_group = nearest_of_several_groups(region(), rest_->local, figures_.unsettled);
   }
   // Users expect a whole component to move, but expect the surface around any other region to stay.
-  quality.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_.paths());
-  quality.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
-  quality.causes.farthest = region().max_distance;
+  report.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_.paths());
+  report.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
+  report.causes.farthest = region().max_distance;
   constexpr double kRoundings = 4;  // rounding errors of two corners and of the fit
   const double largest = std::max(positions_.cwiseAbs().maxCoeff(), rest_->world.cwiseAbs().maxCoeff());
-  quality.causes.rigid =
+  report.causes.rigid =
       moved_rigidly(region(), rest_->world, positions_, kRoundings * spacing(options_.scalar, largest));
   report.iterations = figures_.iterations;
-  if (quality.causes.behind >= 0) {
+  if (report.causes.behind >= 0) {
     const std::vector<int>& vertices = region().mesh_vertex;
-    const auto behind = std::find(vertices.begin(), vertices.end(), quality.causes.behind) - vertices.begin();
-    quality.causes.step = spacing(options_.scalar, positions_.row(behind).cwiseAbs().maxCoeff());
+    const auto behind = std::find(vertices.begin(), vertices.end(), report.causes.behind) - vertices.begin();
+    report.causes.step = spacing(options_.scalar, positions_.row(behind).cwiseAbs().maxCoeff());
   }
   return report;
 }

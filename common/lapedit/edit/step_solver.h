@@ -124,8 +124,7 @@ class StepSolver {
 
   /// Returns the report of preparation and last pose(). It computes residuals and stretch on each call. Preparation
   /// times are 0 after the first pose.
-  /// @param whole  includes the height of detail, which takes time and which no window shows
-  EditReport report(bool whole = true) const;
+  EditReport report() const;
 
   /// Returns whether frames are available and cheaper than poses: with cells, but not with EditMethod::Paper once there
   /// is a system.
@@ -150,13 +149,13 @@ class StepSolver {
   };
   /// Counts and times of the last pose.
   struct PoseFigures {
-    int iterations = 0, refinements = 0;
-    double unrotated_ms = 0, normals_ms = 0, rotate_ms = 0, solve_ms = 0;
+    int iterations = 0;
+    double rotate_ms = 0, solve_ms = 0;
     double rotation_left = 0;  ///< largest change of a rotation in the last pass, degrees
     int unsettled = -1;        ///< at this vertex of the region
   };
   struct Preparation {
-    double region_ms = 0, cells_ms = 0;
+    double region_ms = 0;
     int poses = 0;  ///< since then
   };
 

@@ -10,7 +10,6 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/polar_decomposition.h"
-#include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/fit/correspondences.h"
 #include "lapedit/fit/template_energy.h"
@@ -95,7 +94,6 @@ Fit::Fit(const FitProblem& problem)
                     "\"align\": \"none\".")
         .at("fit.align");
   }
-  const Stopwatch watch;
   const Points given = gather(of_.mesh.vertices, region.mesh_vertex);
   const SurfaceSize own = size_of(given, region.faces);
   const Points before = (given.rowwise() - own.centroid.transpose()) / own.size;
@@ -151,7 +149,6 @@ Fit::Fit(const FitProblem& problem)
   }
   pairs_->turn_normals(*pool_);
   report.reversed_normals = pairs_->reversed();
-  report.align_ms = watch.elapsed();
 }
 
 void Fit::weigh(double length) {
@@ -164,9 +161,7 @@ void Fit::weigh(double length) {
   for (const int i : anchors_) {
     held_[i] = weight * of_.region.anchor_weight[i] * of_.region.anchor_weight[i];
   }
-  const Stopwatch watch;
   energy_->factor(length, energy_->mass().cwiseProduct(least_) + held_);
-  result_.report.factor_ms += watch.elapsed();
 }
 
 /// Fits rotations to the surface, and smooths them over a fraction of the template's size.
@@ -225,14 +220,11 @@ void Fit::run_stage(int stage, double length) {
     const std::string text = "fit: stage " + std::to_string(stage + 1) + " of " + std::to_string(kStages) + distance_;
     const double fraction = (stage + static_cast<double>(round) / with_.rounds) / kStages;
     report_progress(fraction, text.c_str());
-    Stopwatch watch;
     surface_->move(points_, *pool_);
     pairs_->update(length, part, *pool_);
-    report.pairs_ms += watch.lap();
     if (round == 0) {
       weigh(length);
       distance_ = format_text(", distance %.3g", measured(false).rms);
-      watch.lap();
     }
     pull();
     const bool last = stage + 1 == kStages && round + 1 == with_.rounds;
@@ -244,7 +236,6 @@ void Fit::run_stage(int stage, double length) {
     }
     velocity_ = last ? step : with_.momentum * velocity_ + step;
     points_ += velocity_;
-    report.solve_ms += watch.lap();
     ++report.rounds;
   }
   ++report.stages;

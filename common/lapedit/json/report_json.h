@@ -8,7 +8,7 @@
 
 namespace lapedit {
 
-/// Returns a list with an object for each step: all figures by their names, `milliseconds` and `landmarks`.
+/// Returns a list with an object for each step: the figures of report_table() and `landmarks`.
 Json report_json(const std::vector<EditReport>& steps);
 
 }  // namespace lapedit

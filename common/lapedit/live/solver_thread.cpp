@@ -391,7 +391,7 @@ void SolverThread::Impl::solve(int mine, Answer kind) {
     work.pose.positions = work.solver->pose(work.maps);
   }
   work.pose.solve_ms = watch.elapsed();
-  const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(work.solver->report(false)) : nullptr;
+  const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(work.solver->report()) : nullptr;
   publish_pose(mine, work.serial, is_frame ? Remaining::Pose : report ? Remaining::Nothing : Remaining::Report, report);
 }
 
@@ -421,7 +421,7 @@ void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
     const ProgressScope scope(keep_going);
     const Stopwatch watch;
     if (!is_frame) {
-      const auto report = std::make_shared<const EditReport>(work.solver->report(false));
+      const auto report = std::make_shared<const EditReport>(work.solver->report());
       publish(mine, [&] {
         remaining = Remaining::Nothing;
         response.update.report = report;

@@ -59,20 +59,4 @@ SurfaceHit hit_of(const TriangleMesh& mesh, const Ray& ray, int face, double dis
   return hit;
 }
 
-std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray) {
-  int found = -1;
-  double nearest = kInfinity;
-  for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
-    const double t = distance_along(mesh, ray, f);
-    if (t < nearest) {
-      nearest = t;
-      found = f;
-    }
-  }
-  if (found < 0) {
-    return std::nullopt;
-  }
-  return hit_of(mesh, ray, found, nearest);
-}
-
 }  // namespace lapedit

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
-
 #include "lapedit/mesh/camera.h"
 #include "lapedit/mesh/triangle_mesh.h"
 
@@ -14,10 +12,6 @@ struct SurfaceHit {
   int face = -1;
   int vertex = -1;  ///< the corner of the face that is nearest to the point
 };
-
-/// Returns the first triangle along a ray, from either side. Triangles without area or with a non-finite corner are
-/// ignored. O(faces), a few milliseconds for 300,000: for clicks, not for many rays.
-std::optional<SurfaceHit> first_hit(const TriangleMesh& mesh, const Ray& ray);
 
 /// Returns the intersection with a face at a distance along the ray, in units of its direction.
 SurfaceHit hit_of(const TriangleMesh& mesh, const Ray& ray, int face, double distance);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "lapedit/mesh/adjacency.h"
@@ -26,7 +27,8 @@ class Visibility {
   /// O(log faces).
   bool sees(const Camera& view, const Adjacency& adjacency, int vertex, int side = 1) const;
 
-  /// Same as first_hit() of the mesh, O(log faces). Allocates nothing.
+  /// Returns the first triangle along a ray, from either side. Triangles without area or with a non-finite corner are
+  /// ignored. O(log faces). Allocates nothing.
   /// @param limit   hits at this distance or beyond are ignored, in units of the ray's direction
   /// @param except  faces around this vertex are ignored
   std::optional<SurfaceHit> first_hit(const Ray& ray, double limit = kUnreached, int except = -1) const;
