@@ -224,6 +224,28 @@ TEST(AdviceOnVolume, ComponentsAreMeasuredOneByOne) {
   EXPECT_EQ(advice_of(both, step), "");
 }
 
+// --- Corners --------------------------------------------------------------------------------------------------------
+
+/// Pulls the end of a wire aside.
+EditReport pulled_wire(int rings, double by, double radius) {
+  const TriangleMesh wire = support::open_tube(12, rings, 40);
+  EditStep step;
+  step.region.radius = radius;
+  step.handles = {{vertices_where(wire, [](const Vector3& p) { return p[0] > 38.5; }), {}}};
+  step.handles[0].transform.translation = Vector3(0, by, 0);
+  return report_of(wire, step);
+}
+
+TEST(AdviceOnCorners, IsGivenWhereTheRegionEndsInOne) {
+  for (const int rings : {81, 161}) {
+    const EditReport corner = pulled_wire(rings, 8, 6);
+    EXPECT_NEAR(corner.causes.bend, 53, 2);
+    EXPECT_NEAR(corner.causes.bent / 12 * 40.0 / (rings - 1), 33.4, 0.2);
+    support::expect_contains(corner.advice(), "The surface bends by 5");
+    EXPECT_EQ(pulled_wire(rings, 8, 30).advice(), "");
+  }
+}
+
 // --- Rigid results --------------------------------------------------------------------------------------------------
 
 /// Needles, whose corners are so near that rounding turns them.

@@ -260,6 +260,9 @@ void measure_edit(const LaplacianSystem& system, const EditConstraints& constrai
     scale = std::max(scale, (motion.linear + Matrix3::Identity()).norm() / std::sqrt(3.0));
   }
   report.causes.stretched_area = stretched_area(region, system.rest.world, positions, kStretched * scale);
+  const Bend bend = bend_at_anchors(region, system.rest.world, positions);
+  report.causes.bend = bend.degrees;
+  report.causes.bent = bend.at < 0 ? -1 : region.mesh_vertex[bend.at];
   measure_shape(region, system.rest.world, positions, rotations, *system.pool, report);
   find_lost_volume(system, constraints, positions, report.causes.lost);
 }

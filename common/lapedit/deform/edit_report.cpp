@@ -354,6 +354,14 @@ std::string advice_on_rotations(const R& r) {
                                        : "make the edit in two steps.");
 }
 
+constexpr double kCorner = 30;  // degrees
+
+std::string advice_on_corner(const R& r) {
+  return format_text(
+      "The surface bends by %.0f degrees at vertex %d, where the region ends: use a larger region, or more padding.",
+      r.causes.bend, r.causes.bent);
+}
+
 }  // namespace
 
 std::string EditReport::advice() const {
@@ -364,7 +372,8 @@ std::string EditReport::advice() const {
                     {causes.lost.vertex >= 0, advice_on_volume(r)},
                     {!causes.rigid && shape, advice_on_shape(r)},
                     {is_far_from_target(r, causes.distance), advice_on_handle(r)},
-                    {!causes.rigid && is_unsettled(r), advice_on_rotations(r)}},
+                    {!causes.rigid && is_unsettled(r), advice_on_rotations(r)},
+                    {causes.bend > kCorner, advice_on_corner(r)}},
                    2);
 }
 

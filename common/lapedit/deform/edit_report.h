@@ -32,6 +32,8 @@ struct AdviceCauses {
   double reach = 0;           ///< the region's radius
   double rotation = 0;        ///< largest detail rotation, or rotation of the surface at a handle
   int stretched = -1;         ///< the lower end of the edge with the largest stretch
+  double bend = 0;            ///< largest bend at an anchor, degrees
+  int bent = -1;              ///< that anchor
   bool unheld = false;        ///< neither anchors nor a group without motion hold a component of the region
   bool by_radius = false;     ///< the region was found by its radius
   double farthest = 0;        ///< largest distance from the handle in the region
@@ -99,8 +101,8 @@ struct EditReport : EditTimes, EditMeasures {
 
   /// Returns at most two sentences of advice on, in this order, a region that nothing holds, surfaces that
   /// turned inside out or lost most of their volume, folded or intersecting triangles, edges that became
-  /// more than six times as long, handles far from their targets, and rotations that have not converged; otherwise an
-  /// empty string. Shape and rotations of a result that moved rigidly get no advice.
+  /// more than six times as long, handles far from their targets, rotations that have not converged, and corners at
+  /// anchors; otherwise an empty string. Shape and rotations of a result that moved rigidly get no advice.
   std::string advice() const;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 
 #include "lapedit/base/polar_decomposition.h"
@@ -80,6 +81,57 @@ double stretched_area(const Region& region, const Points& before, const Points& 
     }
   }
   return all > 0 ? stretched / all : 0;
+}
+
+Bend bend_at_anchors(const Region& region, const Points& before, const Points& after) {
+  constexpr double kDegrees = 57.29577951308232;
+  struct Side {
+    int from, to;  // the edge, the lower vertex first
+    bool is_reversed;
+    Eigen::Index face;
+
+    bool operator<(const Side& o) const {
+      return std::tie(from, to, is_reversed, face) < std::tie(o.from, o.to, o.is_reversed, o.face);
+    }
+  };
+  const auto is_anchor = [&region](int v) { return region.classes[v] == VertexClass::Anchor; };
+  std::vector<Side> sides;
+  Checkpoints checkpoints;
+  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
+    checkpoints();
+    for (int k = 0; k < 3; ++k) {
+      const auto [from, to] = std::minmax({region.faces(f, k), region.faces(f, (k + 1) % 3)});
+      if (is_anchor(from) || is_anchor(to)) {
+        sides.push_back({from, to, region.faces(f, k) != from, f});
+      }
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  std::vector<Vector3> sums(region.size(), Vector3::Zero());  // of length times change, of lengths, of edges
+  for (std::size_t k = 0; k + 1 < sides.size(); ++k) {
+    const Side &one = sides[k], &other = sides[k + 1];
+    if (one.from != other.from || one.to != other.to || one.is_reversed == other.is_reversed) {
+      continue;
+    }
+    const auto angle = [&](const Points& points) {
+      const Vector3 n = face_normal(points, region.faces, one.face), m = face_normal(points, region.faces, other.face);
+      const Vector3 along = (points.row(one.to) - points.row(one.from)).transpose().stableNormalized();
+      return std::atan2(along.dot(n.cross(m)), n.dot(m));
+    };
+    const double length = (before.row(one.to) - before.row(one.from)).norm();
+    const double change = std::remainder(kDegrees * (angle(after) - angle(before)), 360);
+    for (const int v : {one.from, one.to}) {
+      sums[v] += Vector3(length * change, length, 1);
+    }
+  }
+  Bend most;
+  for (int v = 0; v < region.size(); ++v) {
+    const double degrees = std::abs(sums[v][0]) * sums[v][2] / (2 * sums[v][1]);
+    if (is_anchor(v) && degrees > most.degrees) {
+      most = {degrees, v};
+    }
+  }
+  return most;
 }
 
 /// Returns whether n' . (R_a + R_b + R_c) n < 0, where n and n' are the normals before and after.

@@ -27,6 +27,15 @@ EdgeStretch edge_stretch(const Region& region, const Points& before, const Point
 /// without area are skipped. Cost: O(faces).
 double stretched_area(const Region& region, const Points& before, const Points& after, double factor);
 
+/// The vertex at which the surface bends most, and by how many degrees more than before, in either direction.
+struct Bend {
+  double degrees = 0;
+  int at = -1;  ///< of the region; -1: there is none
+};
+/// Searches among the anchors. The bend at a vertex is that of a fold through it with the same sum of edge length times
+/// change of angle between the edge's faces, in which slivers cancel. Cost: O(faces log faces) of the anchors.
+Bend bend_at_anchors(const Region& region, const Points& before, const Points& after);
+
 /// Returns whether the normal of a face rotated by more than 90 degrees against the mean of its corners' rotations.
 bool is_flipped(const Region& region, Eigen::Index face, const Points& before, const Points& after,
                 const std::vector<Matrix3>& rotations);
