@@ -120,7 +120,7 @@ EditSettings EditSettings::of(EditMethod method) {
 }
 
 int EditSettings::passes() const {
-  constexpr int kLocalGlobal = 3;  // more passes stretch less, but flatten bent tubes and limbs
+  constexpr int kLocalGlobal = 3;  // more depend more on the triangles, see decisions.md, 58
   return method == EditMethod::Linear  ? 0
          : method == EditMethod::Paper ? 1
          : iterations > 0              ? iterations

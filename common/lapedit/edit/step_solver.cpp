@@ -135,8 +135,7 @@ std::shared_ptr<const LaplacianSystem> StepSolver::make_system(const TriangleMes
 
 void StepSolver::take(std::shared_ptr<const LaplacianSystem> system) {
   system_ = std::move(system);
-  solver_ = std::make_unique<RefinedSolver>(system_->matrix, system_->correction, system_->pool);
-  residual_ = std::make_unique<EditResidual>(*system_);
+  step_ = std::make_unique<CorrectionStep>(*system_);
   if (system_->kernel) {
     frame_rotations_ = std::make_unique<FrameRotations>(region(), *system_->kernel);
   }
@@ -191,10 +190,9 @@ void StepSolver::correct(double accuracy) {
   double last = 0;  // none
   for (bool again = true; again;) {
     report_progress(0, "solve");
-    residual_->compute(constraints_, rotations_, displacement_, left_);
-    solver_->solve(left_, step_);
-    displacement_ += step_;
-    const double change = largest_row(step_) / largest_row(displacement_);
+    const Points& step = (*step_)(constraints_, rotations_, displacement_);
+    displacement_ += step;
+    const double change = largest_row(step) / largest_row(displacement_);
     const bool stalled = last > 0 && !(change < kStalled * last);
     if (stalled && change > kUseless) {
       refuse_conditioning(*system_);

@@ -7,9 +7,9 @@
 
 #include "lapedit/cells/cell_model.h"
 #include "lapedit/cells/rotation_fit.h"
+#include "lapedit/deform/correction_step.h"
 #include "lapedit/deform/edit_constraints.h"
 #include "lapedit/deform/edit_report.h"
-#include "lapedit/deform/edit_residual.h"
 #include "lapedit/deform/frame_rotations.h"
 #include "lapedit/edit/mirror.h"
 
@@ -179,15 +179,13 @@ class StepSolver {
 
   // Of the system.
   std::shared_ptr<const LaplacianSystem> system_;
-  std::unique_ptr<RefinedSolver> solver_;
-  std::unique_ptr<EditResidual> residual_;
+  std::unique_ptr<CorrectionStep> step_;
   std::unique_ptr<FrameRotations> frame_rotations_;  // with EditMethod::Paper
 
   // Of the last frame or pose.
   Stage stage_ = Stage::None;
   PoseFigures figures_;
   Points displacement_;                                // d, from the rigidly moved pose
-  Points left_, step_;                                 // the residual, and A^-1 times it
   Points positions_;                                   // of the last pose; no rows before
   std::vector<Matrix3> rotations_, rotations_before_;  // of the last two passes
   Extrapolation ahead_;

@@ -48,9 +48,10 @@ std::string DragSession::message() const {
   if (solver_.waits()) {
     return solver_.in<Loading>() ? messages::kLoading : messages::kSolving;
   }
-  const bool is_large = model_.part_of_piece > 0.5 && model_.selection.region.kind != RegionSpec::Kind::Component &&
-                        model_.has_active_group() && model_.shown.held_by_nothing() == 0 && !model_.tools.paint;
-  std::string text = is_large ? messages::large_region(model_.part_of_piece) : std::string();
+  const bool is_large = model_.shown.part_of_piece() > 0.5 &&
+                        model_.selection.region.kind != RegionSpec::Kind::Component && model_.has_active_group() &&
+                        model_.shown.held_by_nothing() == 0 && !model_.tools.paint;
+  std::string text = is_large ? messages::large_region(model_.shown.part_of_piece()) : std::string();
   if (const Dragging* const drag = solver_.in<Dragging>()) {
     return text + messages::dragging(drag->motion, drag->by_button, solver_.figures().full_frames);
   }

@@ -131,10 +131,10 @@ void SessionModel::show(const std::vector<int>& vertices, const Points& position
 }
 
 void SessionModel::show_region(std::shared_ptr<const Region> region) {
-  shown.show(std::move(region), mesh());
+  const bool known = region && background.latest();
+  const double part = known ? background.latest()->part_of_piece(region->mesh_vertex) : 0;
+  shown.show(std::move(region), mesh(), part);
   others = 0;
-  part_of_piece =
-      shown.region() && background.latest() ? background.latest()->part_of_piece(shown.region()->mesh_vertex) : 0;
   if (shown.region() && !weld.empty()) {
     std::vector<int> all = shown.region()->mesh_vertex, rows;
     weld.add_others(all, rows);

@@ -79,7 +79,6 @@ struct SessionModel {
   std::string refusal;
   ShownRegion shown;
   int others = 0;                ///< number of further vertices at the positions of the shown region's
-  double part_of_piece = 0;      ///< HoverSearch::part_of_piece() of the shown region
   std::vector<int> unconnected;  ///< of the selection's vertices, ascending
   HoverBackground background;
 

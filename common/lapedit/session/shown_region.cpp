@@ -8,8 +8,9 @@
 
 namespace lapedit {
 
-void ShownRegion::show(std::shared_ptr<const Region> region, const TriangleMesh& mesh) {
+void ShownRegion::show(std::shared_ptr<const Region> region, const TriangleMesh& mesh, double part_of_piece) {
   region_ = std::move(region);
+  part_of_piece_ = part_of_piece;
   std::fill(std::begin(counts_), std::end(counts_), 0);
   held_by_nothing_ = 0;
   if (region_) {
