@@ -2,8 +2,7 @@
 #include "filters.h"
 
 QString aboutTheMethod() {
-  return "The surface follows the handle smoothly, while the details on it keep their shape and rotate with it. "
-         "Nothing outside the region changes.<br>See:<br><i>Y. Lipman, O. Sorkine, D. Cohen-Or, D. Levin, "
+  return "<br>See:<br><i>Y. Lipman, O. Sorkine, D. Cohen-Or, D. Levin, "
          "C. R&ouml;ssl, "
          "H.-P. Seidel</i><br><b>Differential Coordinates for Interactive Mesh Editing</b><br>Shape Modeling "
          "International 2004<br><a href=\"https://doi.org/10.1109/SMI.2004.1314505\">"

@@ -162,14 +162,19 @@ FilterOutcome run(const ParameterValues& values, CMeshO& host, const Progress& p
   };
   EditedMesh edited = edit_mesh(host, make, 1, progress);
   edited.pose.reports.front().handle_point_distance = distance;
-  return write_edited(host, edited);
+  FilterOutcome outcome = write_edited(host, edited);
+  if (edited.pose.reports.front().handle_displacement == 0) {
+    outcome.log += "\nThe handle did not move: give a translation, a rotation or a scale.";
+  }
+  return outcome;
 }
 
 }  // namespace
 
 FilterAction laplacianEdit() {
   return {"Laplacian Edit", "apply_coord_laplacian_editing",
-          "Moves a handle (a vertex, or the selected vertices) and bends a region of the surface with it. " +
+          "Moves a handle (a vertex, or the selected vertices) and bends a region of the surface with it. Details keep "
+          "their shape and rotate with it; nothing outside the region changes. " +
               aboutTheMethod(),
           parameters(), run};
 }

@@ -132,6 +132,12 @@ class Settings(FilterTest):
                          "rotation": {"axis": [0, 0, 2], "degrees": 30}, "scale": 1.2}]})])
         self.assertEqual(bits, same)
 
+    def test_an_edit_without_movement_says_so(self):
+        _, log = self.bits([laplacian_edit(**{**self.lift, "translation": (0, 0, 0)})])
+        self.assertIn("The handle did not move", log)
+        _, log = self.bits([laplacian_edit(**self.lift)])
+        self.assertNotIn("did not move", log)
+
     def test_a_vertex_is_taken_by_its_number(self):
         by_point, log = self.bits([laplacian_edit(**self.lift)])
         self.assertRegex(log, r"; its vertex is (0|\S+e-(0[789]|1\d)) from the handle point")

@@ -320,7 +320,7 @@ double DragMotion::step() const {
 }
 
 HandleTransform DragMotion::transform() const {
-  const HandleTransform transform = usable(wanted());
+  HandleTransform transform = usable(wanted());
   if (kind_ != MotionKind::Scale || !axis() || transform.scale == 1) {
     return transform;
   }
