@@ -15,14 +15,15 @@ packages="
   build-essential cmake pkg-config debhelper file
   qtbase5-dev libqt5opengl5-dev libeigen3-dev nlohmann-json3-dev libglew-dev libglu1-mesa-dev
   meshlab"
+fast="ninja-build ccache"
 # A MeshLab that runs without a screen.
 display="xvfb xauth libgl1-mesa-dri python3"
-tests="$display ninja-build ccache python3-venv libgtest-dev libcgal-dev libsuitesparse-dev xdotool python3-numpy parallel appstream strace"
+tests="$display $fast python3-venv libgtest-dev libcgal-dev libsuitesparse-dev xdotool python3-numpy parallel appstream strace"
 for what in "$@"; do
   case $what in
   build) ;;
   tests) packages="$packages $tests" ;;
-  pictures) packages="$packages $display python3-numpy python3-vtk9" ;;
+  pictures) packages="$packages $display $fast python3-numpy python3-vtk9" ;;
   everything) packages="$packages $tests clang-format clang-tidy clang libclang-rt-dev gcovr universal-ctags debootstrap lintian
     libc++-dev libc++abi-dev g++-aarch64-linux-gnu qemu-user-static g++-mingw-w64-x86-64-posix wine64" ;;
   *)
