@@ -360,7 +360,7 @@ TEST_P(EditProperties, FactorisationsDoNotMatter) {
       if (laplacian == LaplacianKind::Cotangent && order > edit.highest_cotangent_order) {
         support::expect_refusal(ErrorCause::IllConditioned, [&] { solver_of(edit, settings); });
       } else {
-        compare(settings, order == 1 ? 1e-9 : 1e-7);
+        compare(settings, order == 1 ? 1e-8 : 1e-7);
       }
     }
   }

@@ -278,7 +278,8 @@ bool seen_in_some_try(const Look& look) {
   return false;
 }
 
-/// Cells alone, then the passes of the pose, the last of which is the pose in full, all without further requests where the mouse rests.
+/// Cells alone, then the passes of the pose, the last of which is the pose in full, all without further requests where
+/// the mouse rests.
 TEST(FirstFrames, FollowsFirstAndBecomesThePose) {
   PrepareTask task = large_task();
   for (const int passes : {1, 4}) {
