@@ -23,9 +23,15 @@ CellModel::CellModel(std::shared_ptr<const RestPose> rest, const EditSettings& s
       pose_(*rest_->region, rest_->local, cells_, blend_, settings_),
       hold_(rest_->region->size(), 0),
       fit_(cells_),
-      posed_(new PosedCell[cells_.count()]) {
+      posed_(new PosedCell[cells_.count()]),
+      detail_(rest_->local) {
   const std::vector<double>& depths = rest_->region->anchor_depth;
   std::transform(depths.begin(), depths.end(), hold_.begin(), smooth_step);
+  for (int i = 0; i < rest_->region->size(); ++i) {
+    for (int k = 0; k < CellBlend::kReach; ++k) {
+      detail_.row(i) -= static_cast<double>(blend_.weights(k, i)) * cells_.centres.row(blend_.cells(k, i));
+    }
+  }
 }
 
 void CellModel::solve(GroupPaths& paths, bool quick) {
@@ -40,7 +46,7 @@ struct CellModel::Blend {
   const double* hold;
   const int* component;
   const PosedCell* cells;
-  const double* rest;
+  const double* detail;
   const LocalMotion* rigid;  // of each component, or null if none moves
   Matrix3* rotations;
   double* displacement;  // or null
@@ -52,46 +58,44 @@ struct CellModel::Blend {
     const int* const which = &blend.cells(0, i);
     const float* const weights = &blend.weights(0, i);
     const Doubles4 towards = cells[which[0]].quaternion;
-    Doubles4 q = {}, moved = {}, centre = {};
+    Doubles4 q = {}, moved = {};
     for (int k = 0; k < CellBlend::kReach; ++k) {
       const PosedCell& one = cells[which[k]];
       const auto weight = static_cast<double>(weights[k]);
       q += weight * sum_of(one.quaternion * towards) * one.quaternion;
       moved += weight * one.moved;
-      centre += weight * one.centre;
     }
     q += std::max(0.0, kCancelled - std::sqrt(sum_of(q * q))) * towards;
     q *= 1 / std::sqrt(sum_of(q * q));
-    const double along = hold[i] * q[3];
-    q *= 1 - hold[i];
-    q[3] += along;
-    const double squared = sum_of(q * q);
-    q = squared > 0 ? q * (1 / std::sqrt(squared)) : Doubles4{0, 0, 0, 1};
+    if (hold[i] > 0) {
+      const double along = hold[i] * q[3];
+      q *= 1 - hold[i];
+      q[3] += along;
+      const double squared = sum_of(q * q);
+      q = squared > 0 ? q * (1 / std::sqrt(squared)) : Doubles4{0, 0, 0, 1};
+    }
     const double x = q[0], y = q[1], z = q[2], w = q[3];
-    double* const r = rotations[i].data();
-    r[0] = 1 - 2 * (y * y + z * z);
-    r[1] = 2 * (x * y + w * z);
-    r[2] = 2 * (x * z - w * y);
-    r[3] = 2 * (x * y - w * z);
-    r[4] = 1 - 2 * (x * x + z * z);
-    r[5] = 2 * (y * z + w * x);
-    r[6] = 2 * (x * z + w * y);
-    r[7] = 2 * (y * z - w * x);
-    r[8] = 1 - 2 * (x * x + y * y);
+    const Doubles4 columns[3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0},
+                                 {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0},
+                                 {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0}};
+    double* const to = rotations[i].data();
+    store(to, columns[0]);
+    store(to + 3, columns[1]);  // over the first one's 0
+    for (std::ptrdiff_t e = 0; e < 3; ++e) {
+      to[6 + e] = columns[2][e];
+    }
     if (displacement == nullptr) {
       return;
     }
-    Doubles4 detail = load3(rest + 3 * std::ptrdiff_t{i}) - centre;
+    Doubles4 off = load3(detail + 3 * std::ptrdiff_t{i});
     if (rigid != nullptr) {
-      detail += product(rigid[component[i]].linear, detail);
+      const double* const by = rigid[component[i]].linear.data();
+      off += off[0] * load3(by) + off[1] * load3(by + 3) + off[2] * load3(by + 6);
     }
-    moved += product(rotations[i], detail) - detail;
+    moved += off[0] * columns[0] + off[1] * columns[1] + off[2] * columns[2] - off;
     for (std::ptrdiff_t e = 0; e < 3; ++e) {
       displacement[3 * std::ptrdiff_t{i} + e] = (1 - hold[i]) * moved[e];
     }
-  }
-  static LAPEDIT_INLINE Doubles4 product(const Matrix3& by, Doubles4 v) {
-    return v[0] * load3(by.data()) + v[1] * load3(by.data() + 3) + v[2] * load3(by.data() + 6);
   }
 };
 
@@ -104,7 +108,7 @@ void CellModel::blend(const EditConstraints& constraints, std::vector<Matrix3>& 
                       hold_.data(),
                       region.component.data(),
                       posed_.get(),
-                      rest_->local.data(),
+                      detail_.data(),
                       constraints.moves_rigidly() ? constraints.paths().rigid_motions().data() : nullptr,
                       rotations.data(),
                       displacement != nullptr ? displacement->data() : nullptr};
@@ -118,15 +122,13 @@ void CellModel::spread(const EditConstraints& constraints, std::vector<Matrix3>&
   const GroupPaths& paths = constraints.paths();
   for (int c = 0; c < cells_.count(); ++c) {
     const Eigen::Vector4d q = Eigen::Quaterniond(pose_.rotations()[c]).coeffs();
-    posed_[c] = {load<Doubles4>(q.data()), load3(&pose_.displacement()(c, 0)), load3(&cells_.centres(c, 0))};
+    posed_[c] = {load<Doubles4>(q.data()), load3(&pose_.displacement()(c, 0))};
   }
   displacement.resize(region.size(), 3);
   blend(constraints, rotations, &displacement, pool);
-  for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Handle) {
-      const double weight = settings_.handle_weight * region.weight(i), held = weight * weight / (1 + weight * weight);
-      displacement.row(i) += held * (constraints.wanted().row(i) - displacement.row(i));
-    }
+  for (const int i : constraints.handles()) {
+    const double weight = settings_.handle_weight * region.weight(i), held = weight * weight / (1 + weight * weight);
+    displacement.row(i) += held * (constraints.wanted().row(i) - displacement.row(i));
   }
   if (settings_.method == EditMethod::Linear) {
     std::fill(rotations.begin(), rotations.end(), Matrix3::Identity());

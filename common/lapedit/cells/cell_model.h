@@ -49,7 +49,7 @@ class CellModel {
 
  private:
   struct PosedCell {
-    Doubles4 quaternion, moved, centre;  ///< x y z w, with either sign; displacement of the centre; centre
+    Doubles4 quaternion, moved;  ///< x y z w, with either sign; displacement of the centre
   };
   struct Blend;
   void blend(const EditConstraints& constraints, std::vector<Matrix3>& rotations, Points* displacement,
@@ -63,6 +63,7 @@ class CellModel {
   std::vector<double> hold_;  // per vertex: 0 keeps its rotation, 1 replaces it by the identity
   RotationFit fit_;
   std::unique_ptr<PosedCell[]> posed_;
+  Points detail_;  // p_i - sum_k w_k C_k per vertex, with the blend's weights of the cells' centres C_k
 };
 
 }  // namespace lapedit

@@ -6,8 +6,12 @@
 namespace lapedit {
 namespace {
 
+/// The fourth number is of no use.
 LAPEDIT_INLINE Doubles4 rotated(const Matrix3& by, Doubles4 edge) {
-  return edge[0] * load3(by.data()) + edge[1] * load3(by.data() + 3) + edge[2] * load3(by.data() + 6);
+  const double* const column = by.data();
+  const auto last = load<Doubles4>(column + 5);
+  return edge[0] * load<Doubles4>(column) + edge[1] * load<Doubles4>(column + 3) +
+         edge[2] * shuffle<1, 2, 3, 0>(last, last);
 }
 
 }  // namespace

@@ -2,6 +2,19 @@
 #include "lapedit/deform/edit_constraints.h"
 
 namespace lapedit {
+
+EditConstraints::EditConstraints(const RestPose& rest)
+    : rest_(rest),
+      region_(*rest.region),
+      paths_(region_, rest.local, rest.origin),
+      wanted_(Points::Zero(region_.size(), 3)) {
+  for (int i = 0; i < region_.size(); ++i) {
+    if (region_.classes[i] == VertexClass::Handle) {
+      handles_.push_back(i);
+    }
+  }
+}
+
 void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine& anchors) {
   paths_.set(handles, anchors);
   const Points& rest = rest_.local;
@@ -12,13 +25,11 @@ void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine
       rigid_pose_.row(i) += rigid_motion(i).displacement(rest.row(i).transpose()).transpose();
     }
   }
-  wanted_.setZero(region_.size(), 3);
-  for (int i = 0; i < region_.size(); ++i) {
-    if (region_.classes[i] == VertexClass::Handle) {
-      wanted_.row(i) = (wanted_displacement(i) - rigid_motion(i).displacement(rest.row(i).transpose())).transpose();
-    }
+  any_ = paths_.revolves();
+  for (const int i : handles_) {
+    wanted_.row(i) = (wanted_displacement(i) - rigid_motion(i).displacement(rest.row(i).transpose())).transpose();
+    any_ |= !wanted_.row(i).isZero(0);
   }
-  any_ = !wanted_.isZero(0) || paths_.revolves();
 }
 
 void EditConstraints::fall_off(const GeodesicFalloff& falloff, Points& displacement, ThreadPool& pool) const {

@@ -16,8 +16,7 @@ namespace lapedit {
 class EditConstraints {
  public:
   /// @param rest  must outlive the object
-  explicit EditConstraints(const RestPose& rest)
-      : rest_(rest), region_(*rest.region), paths_(region_, rest.local, rest.origin) {}
+  explicit EditConstraints(const RestPose& rest);
 
   /// @param handles  one per group, @param anchors motion of the anchors; both in absolute coordinates
   /// @throws EditError as GroupPaths::set()
@@ -26,6 +25,7 @@ class EditConstraints {
   /// Returns c_i - q_i for a handle vertex with the target c_i, size() x 3, where q is the rigidly moved pose; 0 for
   /// all others, since anchors of q are at their targets.
   const Points& wanted() const { return wanted_; }
+  const std::vector<int>& handles() const { return handles_; }  ///< vertices of the region, ascending
   /// Returns whether any target differs from the rigidly moved pose.
   bool any() const { return any_; }
 
@@ -50,6 +50,7 @@ class EditConstraints {
   const RestPose& rest_;
   const Region& region_;
   GroupPaths paths_;
+  std::vector<int> handles_;
   bool moves_rigidly_ = false, any_ = false;
   Points rigid_pose_, wanted_;
 };

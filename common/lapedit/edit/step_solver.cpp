@@ -85,6 +85,8 @@ int nearest_of_several_groups(const Region& region, const Points& rest, int vert
 /// Relative accuracy of a pose, and of the passes before the last one, which only rotations are fitted to.
 constexpr double kExact = 1e-11, kForRotations = 1e-7;
 
+constexpr int kGrain = 2048;
+
 double largest_row(const Points& points) {
   return std::sqrt(points.rowwise().squaredNorm().maxCoeff());
 }
@@ -191,13 +193,17 @@ void StepSolver::correct(double accuracy) {
   for (bool again = true; again;) {
     report_progress(0, "solve");
     const Points& step = (*step_)(constraints_, rotations_, displacement_);
-    displacement_ += step;
+    in_pieces(pool(), region().size(), kGrain,
+              [&](int from, int to) { displacement_.middleRows(from, to - from) += step.middleRows(from, to - from); });
+    if (accuracy == 1) {
+      return;  // a frame
+    }
     const double change = largest_row(step) / largest_row(displacement_);
     const bool stalled = last > 0 && !(change < kStalled * last);
     if (stalled && change > kUseless) {
       refuse_conditioning(*system_);
     }
-    again = accuracy < 1 && change > accuracy && !stalled && !(last > 0 && change * change / last < accuracy);
+    again = change > accuracy && !stalled && !(last > 0 && change * change / last < accuracy);
     last = change;
   }
   figures_.solve_ms += watch.elapsed();
@@ -242,14 +248,17 @@ void StepSolver::advance() {
 
 /// Computes x = p + the rigid displacement of its component + d.
 void StepSolver::collect(Points& positions) {
-  constexpr int kGrain = 2048;
   positions.resize(region().size(), 3);
-  for_indices(pool(), region().size(), kGrain, [&](int i) {
-    Vector3 displacement = displacement_.row(i).transpose();
-    if (constraints_.moves_rigidly()) {
-      displacement += constraints_.rigid_motion(i).displacement(rest_->local.row(i).transpose());
+  in_pieces(pool(), region().size(), kGrain, [&](int first, int last) {
+    const int rows = last - first;
+    if (!constraints_.moves_rigidly()) {
+      positions.middleRows(first, rows) = rest_->world.middleRows(first, rows) + displacement_.middleRows(first, rows);
+      return;
     }
-    positions.row(i) = rest_->world.row(i) + displacement.transpose();
+    for (int i = first; i < last; ++i) {
+      const Vector3 along = constraints_.rigid_motion(i).displacement(rest_->local.row(i).transpose());
+      positions.row(i) = rest_->world.row(i) + (displacement_.row(i) + along.transpose());
+    }
   });
   require_finite_result(positions);
   if (symmetry_) {
