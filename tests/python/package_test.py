@@ -591,7 +591,8 @@ class Editing(unittest.TestCase):
                 self.assertEqual(editor.nearest(points[[5, 77]]).tolist(), [5, 77])
 
     def test_an_editor_is_not_called_by_its_progress(self):
-        editor = Editor(*grid(101), {"region": {"component": True}, "handles": [{"vertices": 5100, "translation": [0, 0, 9]}, {"vertices": 0}]})
+        # So large that a pose takes several times 40 ms, after which progress is called.
+        editor = Editor(*grid(301), {"region": {"component": True}, "handles": [{"vertices": 45300, "translation": [0, 0, 9]}, {"vertices": 0}]})
         with self.assertRaisesRegex(EditRefused, "calls the Editor that calls it"):
             editor.pose(progress=lambda *_: editor.report)
 
