@@ -96,6 +96,9 @@ TEST(DragPaint, StrokeIsABandAlongItsPath) {
   const std::vector<int> expected =
       united(band(window, at(10, 10), at(10, 50), pixels), band(window, at(10, 50), at(50, 50), pixels));
   EXPECT_EQ(window.session.selection().held, expected);
+  EXPECT_FALSE(window.says("already kept fixed")) << "its last move painted nothing more";
+  corner(window, at(10, 10), at(10, 50), at(50, 50));
+  EXPECT_TRUE(window.says("already kept fixed")) << "a stroke that paints nothing says why";
   window.undo();
   EXPECT_TRUE(window.session.selection().held.empty()) << "a stroke is one action";
 }

@@ -113,7 +113,9 @@ void CellModel::blend(const EditConstraints& constraints, std::vector<Matrix3>& 
                       rotations.data(),
                       displacement != nullptr ? displacement->data() : nullptr};
   in_pieces(pool, region.size(), kGrain, [&](int first, int last) { run_kernel(each, first, last); });
-  constraints.paths().rotate_hanging(rotations);
+  if (settings_.method == EditMethod::Default) {
+    constraints.paths().rotate_hanging(rotations);
+  }
 }
 
 void CellModel::spread(const EditConstraints& constraints, std::vector<Matrix3>& rotations, Points& displacement,
@@ -130,12 +132,8 @@ void CellModel::spread(const EditConstraints& constraints, std::vector<Matrix3>&
     const double weight = settings_.handle_weight * region.weight(i), held = weight * weight / (1 + weight * weight);
     displacement.row(i) += held * (constraints.wanted().row(i) - displacement.row(i));
   }
-  if (settings_.method == EditMethod::Linear) {
-    std::fill(rotations.begin(), rotations.end(), Matrix3::Identity());
-    return;
-  }
   for (const int i : paths.hanging()) {
-    if (const int g = paths.followed(i); g >= 0) {
+    if (const int g = paths.followed(i); g >= 0 && settings_.method == EditMethod::Default) {
       const Vector3 rest = rest_->local.row(i).transpose();
       displacement.row(i) =
           (paths.motions()[g].displacement(rest) - constraints.rigid_motion(i).displacement(rest)).transpose();

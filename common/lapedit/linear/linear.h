@@ -11,7 +11,7 @@
 #include "lapedit/base/types.h"
 
 // All that other layers use of this library: sparse operators, a sparse Cholesky factorisation of their normal
-// matrices, and solutions refined to the last bit. docs/linear.md describes how it works.
+// matrices, and refined solutions. docs/linear.md describes how it works.
 
 namespace lapedit {
 
@@ -150,9 +150,9 @@ struct WoodburyCorrection {
   Eigen::MatrixXd k;            ///< square
 };
 
-/// Solves A x = b, A = A0 + E W^2 E^T, by iterative refinement with the factor of A0 and the correction. The residual
-/// is computed through M, as b - M^T (M x) - W^2 x, and not through M^T M, so that a step also corrects the squaring of
-/// the condition number.
+/// Solves A x = b, A = A0 + E W^2 E^T, with the factor of A0 and the correction, and refines solutions of A0. The
+/// residual is computed through M, as b - M^T (M x) - W^2 x, and not through M^T M, so that a step also corrects the
+/// squaring of the condition number.
 ///
 /// Matrix and correction are only read and each solver has scratch of its own, so solvers that share them can work
 /// concurrently, each with its own pool. One call at a time per solver. Source: N. Higham, Accuracy and Stability of

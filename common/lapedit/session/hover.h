@@ -72,7 +72,7 @@ class HoverSearch {
   /// @param from  -1: none
   void path(int from, int to, Points& positions);
 
-  /// Returns the fraction of a piece's area that vertices have: of the piece of which they have the most. O(pieces).
+  /// Returns the fraction of a piece's area that vertices have: of the piece of which they have the most. O(vertices).
   double part_of_piece(const std::vector<int>& vertices) const;
   /// O(kMostVertices) at most.
   HoverOutlines outlines(const HoverQuery& query);

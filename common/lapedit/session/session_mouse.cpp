@@ -413,6 +413,9 @@ void SessionMouse::brush(const Cursor& cursor) {
   model_.refusal.clear();
   Selection before = model_.selection;
   if (!model_.take(std::move(choice))) {
+    if (pressed_->recorded) {
+      model_.refusal.clear();  // an end of the stroke that adds nothing needs no explanation
+    }
     return;
   }
   if (!std::exchange(pressed_->recorded, true)) {  // a stroke without effect is not an action
