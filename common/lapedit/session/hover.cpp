@@ -33,24 +33,23 @@ HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
       near_(kOfSize * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm()),
       discs_(mesh, adjacency),
       paths_(adjacency.neighbours, mesh.vertices),
+      area_(mesh.vertices.rows(), 0),
       piece_area_(connected_components(adjacency.neighbours, piece_)),
       search_({mesh, adjacency}) {
-  add_areas(usable_vertices(mesh), piece_area_);
-}
-
-/// Adds to each piece a third of the area of each face at its vertices.
-void HoverSearch::add_areas(const std::vector<int>& vertices, std::vector<double>& areas) const {
-  for (const int v : vertices) {
-    for (const int f : adjacency_.faces[v]) {
-      const double area = area_normal(mesh_, f).norm() / 6;
-      areas[piece_[v]] += std::isfinite(area) ? area : 0;
+  for (int v = 0; v < static_cast<int>(area_.size()); ++v) {
+    for (const int f : adjacency.faces[v]) {
+      const double area = area_normal(mesh, f).norm() / 6;
+      area_[v] += std::isfinite(area) ? area : 0;
     }
+    piece_area_[piece_[v]] += area_[v];
   }
 }
 
 double HoverSearch::part_of_piece(const std::vector<int>& vertices) const {
   std::vector<double> areas(piece_area_.size());
-  add_areas(vertices, areas);
+  for (const int v : vertices) {
+    areas[piece_[v]] += area_[v];
+  }
   const auto most = std::max_element(areas.begin(), areas.end());
   return most != areas.end() && *most > 0 ? *most / piece_area_[most - areas.begin()] : 0;
 }

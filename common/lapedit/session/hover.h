@@ -81,7 +81,6 @@ class HoverSearch {
 
  private:
   void outline(int vertex, HoverOutlines& found, bool with_region);
-  void add_areas(const std::vector<int>& vertices, std::vector<double>& areas) const;
 
   const TriangleMesh& mesh_;
   const Adjacency& adjacency_;
@@ -91,7 +90,8 @@ class HoverSearch {
   DiscSearch discs_;
   ShortestPaths paths_;
   int paths_from_ = -1;
-  std::vector<int> piece_;  // of each vertex
+  std::vector<int> piece_;    // of each vertex
+  std::vector<double> area_;  // of each vertex: a third of that of its faces
   std::vector<double> piece_area_;
   // Of outlines().
   GeodesicSearch search_;
