@@ -2,7 +2,9 @@
 #include "lapedit/mesh/surface_index.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -58,7 +60,45 @@ Points centres_of(const Points& points, const Faces& faces) {
   return centres;
 }
 
+/// Returns the first corner of a face by position, so that what depends on the order of corners is the same however
+/// they are numbered.
+int first_corner(const Points& points, const Faces& faces, int face) {
+  const auto position = [&](int k) {
+    const auto row = points.row(faces(face, k));
+    return std::array{row[0], row[1], row[2]};
+  };
+  int first = position(1) < position(0) ? 1 : 0;
+  first = position(2) < position(first) ? 2 : first;
+  return first;
+}
+
+/// Spreads the lower 21 bits of a number to every third bit.
+std::uint64_t spread(std::uint64_t x) {
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
 }  // namespace
+
+std::vector<int> order_by_position(const Points& points) {
+  constexpr double kCells = 0x1p21 - 1;
+  const Eigen::RowVector3d low = points.colwise().minCoeff();
+  const double step = std::max((points.colwise().maxCoeff() - low).maxCoeff(), 1e-300) / kCells;
+  std::vector<std::pair<std::uint64_t, int>> codes(static_cast<std::size_t>(points.rows()));
+  for (int k = 0; k < points.rows(); ++k) {
+    const auto along = [&](int axis) {
+      return spread(static_cast<std::uint64_t>((points(k, axis) - low[axis]) / step));
+    };
+    codes[static_cast<std::size_t>(k)] = {along(0) | along(1) << 1 | along(2) << 2, k};
+  }
+  std::sort(codes.begin(), codes.end());
+  std::vector<int> order(codes.size());
+  std::transform(codes.begin(), codes.end(), order.begin(), [](const auto& code) { return code.second; });
+  return order;
+}
 
 Eigen::VectorXd face_areas(const Points& points, const Faces& faces) {
   Eigen::VectorXd areas(faces.rows());
@@ -249,21 +289,29 @@ bool SurfaceIndex::ends_at(const NearestPoint& at) const {
 }
 
 SurfaceSamples SurfaceIndex::samples(int count) const {
-  Eigen::VectorXd ends = face_areas(points_, faces_);
-  std::partial_sum(ends.data(), ends.data() + ends.size(), ends.data());
+  const std::vector<int> order = order_by_position(centres_of(points_, faces_));
+  const Eigen::VectorXd areas = face_areas(points_, faces_);
   const bool cloud = is_cloud();
   count = cloud ? std::min(count, static_cast<int>(faces_.rows())) : count;
+  const double step = areas.sum() / count;
   SurfaceSamples samples = {Points(count, 3), Points(count, 3)};
-  NearestPoint at = {0, 0, Vector3::UnitX()};
+  NearestPoint at = {order[0], 0, Vector3::UnitX()};
+  std::size_t next = 0;
   double u = 0.5, v = 0.5;  // the sequence of M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018
+  double end = areas[at.face];
   for (int k = 0; k < count; ++k) {
-    while (at.face + 1 < faces_.rows() && ends[at.face] <= ends[ends.size() - 1] * (k + 0.5) / count) {
-      ++at.face;
+    while (next + 1 < order.size() && end <= step * (k + 0.5)) {
+      at.face = order[++next];
+      end += areas[at.face];
     }
     u = std::fmod(u + 0.75487766624669276, 1);
     v = std::fmod(v + 0.56984029099805327, 1);
     if (!cloud) {
-      at.weights = u + v > 1 ? Vector3(u + v - 1, 1 - u, 1 - v) : Vector3(1 - u - v, u, v);
+      const Vector3 weights = u + v > 1 ? Vector3(u + v - 1, 1 - u, 1 - v) : Vector3(1 - u - v, u, v);
+      const int first = first_corner(points_, faces_, at.face);
+      for (int c = 0; c < 3; ++c) {
+        at.weights[(first + c) % 3] = weights[c];
+      }
     }
     samples.points.row(k) = position(at).transpose();
     samples.normals.row(k) = normal(at).normalized().transpose();

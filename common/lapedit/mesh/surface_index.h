@@ -15,7 +15,11 @@ struct NearestPoint {
   Vector3 weights = Vector3::Zero();  ///< barycentric, exactly 0 for corners that the point does not depend on
 };
 
-/// Some points of a surface, evenly by area, with normals; of a cloud every n-th point.
+/// Returns the rows in the order of a space-filling curve (G. Morton 1966), which depends on positions alone.
+/// All are finite.
+std::vector<int> order_by_position(const Points& points);
+
+/// Some points of a surface, evenly by area, with normals; of a cloud every n-th point. They do not depend on numbers.
 struct SurfaceSamples {
   Points points, normals;
 };
@@ -37,6 +41,8 @@ class SurfaceIndex {
   Vector3 normal(const NearestPoint& at) const { return interpolated(normals_, at); }  ///< of a length up to 1
   /// Returns whether a nearest point is on the border, so that the surface may end there.
   bool ends_at(const NearestPoint& at) const;
+
+  bool is_on_border(int vertex) const { return border_[static_cast<std::size_t>(vertex)] != 0; }
 
   SurfaceSamples samples(int count) const;
 
