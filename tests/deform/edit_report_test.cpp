@@ -536,18 +536,30 @@ TEST(EditReport, TextHoldsEveryNumber) {
   r.iterations = r.uniform_edges = 0;
   r.normal_radius = 0;
   r.handle_point_distance = {};
-  r.fit = FitReport{
-      "shape", "scan.ply", "rigid", {0.75, 1, 2, 3, 4}, {0.625, 5, 6, 7, 8}, 1, 1.5, 2.5, 0.5, true, 0, 1000, 1,
-      0,       9,          81};
+  r.fit = FitReport();
+  r.fit->mode = "shape";
+  r.fit->scan = "scan.ply";
+  r.fit->aligned = "rigid";
+  r.fit->to_scan = {0.75, 1, 2, 3, 4};
+  r.fit->from_scan = {0.625, 5, 6, 7, 8};
+  r.fit->alignment = 1.5;
+  r.fit->second = 2.5;
+  r.fit->by_landmarks = 0.5;
+  r.fit->reversed_normals = true;
+  r.fit->size = 1000;
+  r.fit->stages = 9;
+  r.fit->rounds = 81;
+  r.fit->hidden = 2;
   EXPECT_EQ(
       r.text(),
       counts +
-          "Fit to scan.ply, mode shape; alignment: rigid by landmarks, scale 1, RMS 1.5 of the nearest 80 % (another "
-          "orientation: 2.5); 9 stages, 81 rounds; the scan's normals were taken as reversed\n"
+          "Fit to scan.ply, mode shape; alignment: rigid by landmarks, scale 1, RMS 1.5 of what overlaps (another "
+          "orientation: 2.5); 9 stages, 81 rounds; the scan's normals were taken as reversed; 2 pieces follow the "
+          "surface around them\n"
           "Template to scan: 75 % matched, distance RMS 1, median 2, 95 % 3, largest 4\n"
           "Scan to template: 62.5 % matched, distance RMS 5, median 6, 95 % 7, largest 8\n" +
           landmarks + shape + folds + advice +
-          "raise the detail of the fit, exclude the vertices near it, or give landmarks.");
+          "exclude the vertices near it, give landmarks, or raise the detail of the fit.");
 }
 
 }  // namespace

@@ -49,6 +49,16 @@ TriangleMesh without(TriangleMesh mesh, const Gone& gone) {
   return mesh;
 }
 
+/// Both meshes as one.
+inline TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh mesh = a;
+  mesh.vertices.conservativeResize(a.vertices.rows() + b.vertices.rows(), 3);
+  mesh.vertices.bottomRows(b.vertices.rows()) = b.vertices;
+  mesh.faces.conservativeResize(a.faces.rows() + b.faces.rows(), 3);
+  mesh.faces.bottomRows(b.faces.rows()) = b.faces.array() + static_cast<int>(a.vertices.rows());
+  return mesh;
+}
+
 struct Fitted {
   TriangleMesh mesh;
   Region region;

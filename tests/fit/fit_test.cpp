@@ -3,12 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fit/fit_support.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/trigonometry.h"
+#include "lapedit/deform/edit_report.h"
 #include "lapedit/fit/template_energy.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "shapes.h"
@@ -34,6 +38,12 @@ const TriangleMesh& scan() {
 }
 Points truth() {
   return warped(head()).vertices;
+}
+/// Returns what a fit advises, apart from its shape.
+std::string advice_on(const Fitted& fit) {
+  EditReport report;
+  report.fit = fit.result.report;
+  return report.advice();
 }
 Points normals_of(const TriangleMesh& mesh) {
   Points normals;
@@ -158,7 +168,9 @@ TEST(Fit, MeetsLandmarksAndAlignsByThem) {
   for (auto& landmark : landmarks) {
     landmark.second = map(landmark.second);
   }
-  const Fitted fit = fitted(head(), {mapped(scan(), map), {}}, {}, landmarks);
+  ScanFitSettings exact;
+  exact.accuracy = 0;
+  const Fitted fit = fitted(head(), {mapped(scan(), map), {}}, exact, landmarks);
   EXPECT_TRUE(fit.result.report.by_landmarks);
   EXPECT_LT(error_of(fit, map.all(to)).mean, 0.012);
   for (const auto& [vertex, target] : landmarks) {
@@ -314,6 +326,130 @@ TEST(Fit, AsksOftenWhetherItIsCancelledAndNotAgain) {
     }
     EXPECT_EQ(called, at);
   }
+}
+
+/// A surface of revolution about the y axis in a triangulation that `levels` and `turn` decide, warped by `amount`.
+TriangleMesh revolved(const std::function<double(double)>& radius, int levels, double turn, double amount) {
+  TriangleMesh mesh =
+      mapped(shapes::icosphere(levels), {rotation_about(Vector3(3, 1, 2).normalized(), turn), 1, Vector3::Zero()});
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    const Vector3 p = mesh.vertices.row(v).transpose();
+    const double around = std::sqrt(std::max(1e-9, std::hypot(p[0], p[2])));
+    const Vector3 q(p[0] / around * radius(p[1]), 1.6 * p[1], p[2] / around * radius(p[1]));
+    mesh.vertices.row(v) = (q + amount * Vector3(std::sin(1.7 * q[1] + 1), std::sin(2.1 * q[2] + 0.4 + q[1]),
+                                                 std::sin(1.9 * q[0] - 1.1 * q[1])))
+                               .transpose();
+  }
+  return mesh;
+}
+
+TEST(Fit, KeepsTheOrientationOfShapesThatAreNearlySymmetric) {
+  const std::function<double(double)> shapes[] = {
+      [](double y) { return 0.16 + 0.2 * y * y * y * y + (y > 0 ? 0.03 * y : 0); },  // a bone
+      [](double y) { return 0.5 + 0.2 * std::sin(3 * y + 0.6); },                    // a vase
+      [](double y) { return 0.3 + 0.1 * std::exp(-8 * (y - 0.3) * (y - 0.3)); }};    // a limb
+  for (const auto& shape : shapes) {
+    for (const double amount : {0.02, 0.06}) {
+      const TriangleMesh mesh = revolved(shape, 3, 0, 0);
+      const Points to = revolved(shape, 3, 0, amount).vertices;
+      const FitError before = error_of({mesh, {}, {}}, to);
+      EXPECT_LT(error_of(fitted(mesh, {revolved(shape, 4, 25, amount), {}}), to).mean, before.mean) << amount;
+    }
+  }
+}
+
+TEST(Fit, KeepsItsPlaceOnPartOfAScanAndBesideAnotherObject) {
+  const TriangleMesh half = support::without(scan(), [](const Vector3& p) { return p[0] < 0.1; });
+  EXPECT_LT(error_of(fitted(head(), {half, {}}), truth()).mean, 0.04);
+  const TriangleMesh third = support::without(scan(), [](const Vector3& p) { return p[1] < 0.3; });
+  EXPECT_LT(error_of(fitted(head(), {third, {}}), truth()).mean, 0.04);
+  const TriangleMesh ball = mapped(shapes::icosphere(3), {Matrix3::Identity(), 0.8, Vector3(3, 0.5, 0)});
+  EXPECT_LT(error_of(fitted(head(), {support::joined(scan(), ball), {}}), truth()).mean, 0.014);
+}
+
+TEST(Fit, DoesNotDependOnNumbers) {
+  const auto reversed = [](TriangleMesh mesh) {
+    const int last = static_cast<int>(mesh.vertices.rows()) - 1;
+    mesh.vertices = mesh.vertices.colwise().reverse().eval();
+    mesh.faces = (last - mesh.faces.colwise().reverse().array()).eval();
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); f += 2) {
+      mesh.faces.row(f) = Eigen::RowVector3i(mesh.faces(f, 1), mesh.faces(f, 2), mesh.faces(f, 0));
+    }
+    return mesh;
+  };
+  const Fitted fit = fitted(head(), {scan(), {}}), other = fitted(reversed(head()), {reversed(scan()), {}});
+  EXPECT_LT((fit.mesh.vertices - other.mesh.vertices.colwise().reverse()).cwiseAbs().maxCoeff(), 1e-7);
+}
+
+std::vector<std::pair<int, Vector3>> landmarks_with_errors(double error) {
+  std::vector<std::pair<int, Vector3>> landmarks;
+  for (const int v : {10, 150, 300, 500, 700, 1000, 1200, 1600}) {
+    const Vector3 off(std::sin(3.0 * v), std::sin(5.0 * v + 1), std::sin(7.0 * v + 2));
+    landmarks.emplace_back(v, truth().row(v).transpose() + error * off.normalized());
+  }
+  return landmarks;
+}
+
+TEST(Fit, LandmarksAreMetAsTheirAccuracySays) {
+  constexpr double kError = 0.03;
+  const auto landmarks = landmarks_with_errors(kError);
+  const double without = error_of(fitted(head(), {scan(), {}}), truth()).mean,
+               with = error_of(fitted(head(), {scan(), {}}, {}, landmarks), truth()).mean;
+  EXPECT_LT(with, without);
+  ScanFitSettings exact;
+  exact.accuracy = 0;
+  const Fitted fit = fitted(head(), {scan(), {}}, exact, landmarks);
+  EXPECT_GT(error_of(fit, truth()).mean, with);
+  for (const auto& [vertex, target] : landmarks) {
+    EXPECT_LT((fit.mesh.vertices.row(vertex).transpose() - target).norm(), 0.5 * kError);
+  }
+}
+
+TEST(Fit, NamesTheLandmarkThatTheOthersAndTheSurfaceContradict) {
+  auto landmarks = landmarks_with_errors(0.01);
+  EXPECT_EQ(advice_on(fitted(head(), {scan(), {}}, {}, landmarks)), "");
+  for (const Vector3& wrong : {Vector3(truth().row(900).transpose()), Vector3(2, 2, 2)}) {
+    landmarks[3].second = wrong;
+    const Fitted fit = fitted(head(), {scan(), {}}, {}, landmarks);
+    EXPECT_EQ(fit.result.report.odd.vertex, 500);
+    EXPECT_EQ(advice_on(fit).rfind("The landmark at vertex 500 is ", 0), 0U) << advice_on(fit);
+  }
+}
+
+TEST(Fit, FindsThatTheScanIsMirrored) {
+  const auto swollen = [](TriangleMesh mesh) {
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+      const Vector3 p = mesh.vertices.row(v).transpose();
+      mesh.vertices.row(v) +=
+          0.6 * std::exp(-4 * (p - Vector3(0.8, 0.6, 0.3)).squaredNorm()) * Eigen::RowVector3d(1, 0.4, 0.5);
+    }
+    return mesh;
+  };
+  TriangleMesh image = swollen(scan());
+  EXPECT_EQ(advice_on(fitted(swollen(head()), {image, {}})), "");
+  image.vertices.col(0) *= -1;
+  image.faces.col(1).swap(image.faces.col(2));
+  EXPECT_EQ(advice_on(fitted(swollen(head()), {image, {}})).rfind("The template's mirror image", 0), 0U);
+}
+
+TEST(Fit, DrawsBordersOfSheetsIfAsked) {
+  const auto sheet = [](int cells, double shift) {
+    TriangleMesh mesh = shapes::grid(cells, cells);
+    const double width = mesh.vertices.col(0).maxCoeff() - mesh.vertices.col(0).minCoeff();
+    mesh.vertices /= width;
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+      const double x = mesh.vertices(v, 0), y = mesh.vertices(v, 1);
+      mesh.vertices(v, 0) = x + shift * std::sin(3 * y);
+      mesh.vertices(v, 2) = 0.05 * std::sin(4 * x) * std::cos(3 * y);
+    }
+    return mesh;
+  };
+  const TriangleMesh mesh = sheet(40, 0), slid = sheet(57, 0.1);
+  const Points to = sheet(40, 0.1).vertices;
+  ScanFitSettings drawn;
+  drawn.borders = true;
+  const double error = error_of(fitted(mesh, {slid, {}}, drawn), to).mean;
+  EXPECT_LT(error, 0.6 * error_of(fitted(mesh, {slid, {}}), to).mean);
 }
 
 ErrorCause cause_of(const ScanData& data) {

@@ -23,7 +23,7 @@ SimilarityMap best_similarity(const Points& from, const Points& to, double scale
 }
 
 SimilarityMap point_to_plane_step(const SimilarityMap& map, const PointsToPlanes& pairs, bool scaled) {
-  constexpr double kDamping = 1e-6;
+  constexpr double kDamping = 0.02;  // a rotation that hardly matters, as about the axis of a vase, is not made
   Eigen::Matrix<double, 7, 7> matrix = Eigen::Matrix<double, 7, 7>::Zero();
   Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero(), row;
   for (Eigen::Index k = 0; k < pairs.from.rows(); ++k) {

@@ -82,12 +82,16 @@ const std::vector<Figure>& report_table() {
       {"fit/by_landmarks", [](const R& r) { return r.fit ? Value(r.fit->by_landmarks.has_value()) : Value(); },
        " by landmarks", kNotZero},
       {"fit/scale", fit<&F::scale>, ", scale %.4g"},
-      {"fit/alignment", fit<&F::alignment>, ", RMS %.3g of the nearest 80 %%"},
+      {"fit/alignment", fit<&F::alignment>, ", RMS %.3g of what overlaps"},
       {"fit/other_alignment", fit<&F::second>, " (another orientation: %.3g)"},
       {"fit/stages", fit<&F::stages>, "; %d stages"},
       {"fit/rounds", fit<&F::rounds>, ", %d rounds"},
       {"fit/reversed_normals", fit<&F::reversed_normals>, "; the scan's normals were taken as reversed", kNotZero},
       {"fit/size_ratio", fit<&F::size_ratio>},
+      {"fit/hidden_pieces", fit<&F::hidden>, "; %d pieces follow the surface around them", kNotZero},
+      {"fit/mirrored_alignment", fit<&F::mirrored>, nullptr},
+      {"fit/uncovered", fit<&F::uncovered>, nullptr},
+      {"fit/largest_stretch", fit<&F::largest_stretch>, nullptr},
       {"fit/to_scan/matched", distance<&F::to_scan, &D::matched>, "\nTemplate to scan: %.3g %% matched", kAlways, 100},
       {"fit/to_scan/rms", distance<&F::to_scan, &D::rms>, ", distance RMS %.3g"},
       {"fit/to_scan/median", distance<&F::to_scan, &D::median>, ", median %.3g"},
@@ -215,39 +219,54 @@ std::string advice_on_hold(const R& r) {
          "or add a handle group that stays.";
 }
 
-std::string advice_on_fit(const F& fit) {
-  constexpr double kOtherUnit = 5, kHalf = 0.5, kAmbiguous = 1.05, kMany = 0.15, kFar = 0.02, kContradict = 0.6;
-  const double contradiction = fit.by_landmarks.value_or(0),
-               matched = std::min(fit.to_scan.matched, fit.from_scan.matched);
+std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& names) {
+  constexpr double kOtherUnit = 5, kOdd = 3.3, kOddDistance = 0.04, kContradict = 0.6, kMirrored = 1.3, kHalf = 0.5,
+                   kLittle = 0.4, kUncovered = 0.01, kStretch = 1.8, kMany = 0.15, kSame = 1.05, kBetter = 0.8;
+  const double contradiction = fit.by_landmarks.value_or(0), second = fit.second.value_or(0);
+  const bool backwards = fit.from_scan.matched < kHalf;
   return sentences(
       {{std::max(fit.size_ratio, 1 / fit.size_ratio) > kOtherUnit,
         format_text("The scan is %.3g times as large as the template: check whether both have the same unit.",
                     fit.size_ratio)},
+       {fit.odd.distance > std::max(kOdd * fit.odd.others, kOddDistance * fit.size),
+        "The landmark at vertex " + std::to_string(fit.odd.vertex) + name_at(fit.odd.vertex, names) +
+            format_text(" is %.3g from its target, which is %.3g from the scan; the other landmarks are %.3g from "
+                        "theirs (RMS): check it, or give it a smaller weight.",
+                        fit.odd.distance, fit.odd.to_scan, fit.odd.others)},
        {contradiction > kContradict,
         format_text("The landmarks do not match: after the alignment their distances to the targets are %.3g of those "
                     "of the targets to their mean (RMS): check that each has the target that belongs to it, and that "
                     "left and right are not exchanged.",
                     contradiction)},
-       {matched < kHalf,
+       {fit.searched > kMirrored * fit.mirrored,
+        format_text("The template's mirror image fits better (RMS %.3g in place of %.3g): check that the scan is not "
+                    "mirrored.",
+                    fit.mirrored, fit.searched)},
+       {fit.second && fit.kept && second < kBetter * fit.searched,
+        format_text(
+            "Another orientation fits better after the alignment (RMS %.3g in place of %.3g), but the template's "
+            "was kept: check that the template is not upside down or turned round, or give three landmarks.",
+            second, fit.searched)},
+       {fit.second && !fit.kept && second < kSame * fit.searched,
+        format_text("Another orientation fits almost as well after the alignment (RMS %.3g and %.3g): check that the "
+                    "template is not upside down, turned round or a mirror image, or give three landmarks.",
+                    second, fit.searched)},
+       {backwards || fit.to_scan.matched < kLittle,
         format_text("Only %.3g %% of the %s: check the alignment, and that normals point outwards, or give landmarks.",
-                    100 * matched,
-                    fit.to_scan.matched < fit.from_scan.matched ? "template found a partner on the scan"
-                                                                : "scan found a partner on the template")},
+                    100 * (backwards ? fit.from_scan.matched : fit.to_scan.matched),
+                    backwards ? "scan found a partner on the template" : "template found a partner on the scan")},
+       {fit.uncovered > kUncovered * fit.size,
+        format_text(
+            "Parts of the scan are far from the template (RMS of all %.3g): check the alignment, give landmarks "
+            "or \"borders\", or remove inner layers and what does not belong to the object.",
+            fit.uncovered)},
+       {fit.largest_stretch > kStretch,
+        format_text("Triangles became %.3g times as long as most: check the alignment, or give landmarks.",
+                    fit.largest_stretch)},
        {fit.opposed > kMany,
         format_text("The normals of %.3g %% of the scan point to the other side than the rest: orient its faces "
                     "coherently, for example with MeshLab's filter \"Re-Orient all faces coherently\".",
-                    100 * fit.opposed)},
-       {fit.from_scan.rms > kFar * fit.size,
-        format_text("Parts of the scan are still far from the template (RMS %.3g): remove inner layers and what does "
-                    "not belong to the object, or give landmarks.",
-                    fit.from_scan.rms)},
-       {fit.second && *fit.second < kAmbiguous * fit.alignment,
-        format_text("Another orientation fits almost as well after the alignment (RMS %.3g and %.3g): check that the "
-                    "template is not upside down, turned round or a mirror image, or give three landmarks.",
-                    fit.second.value_or(0), fit.alignment)},
-       {fit.mode == "pose" && fit.landmarks < 3,
-        "Without landmarks limbs can be matched to the wrong parts of the scan: check them, or give landmarks at "
-        "their ends."}},
+                    100 * fit.opposed)}},
       1);
 }
 
@@ -273,7 +292,7 @@ std::string advice_on_volume(const R& r) {
 
 bool has_long_edges(const R& r) {
   constexpr double kFar = 5;
-  return r.stretch_max > kFar;
+  return (1 + r.stretch_max) / (r.fit ? r.fit->scale : 1) > 1 + kFar;
 }
 
 bool has_stretched_area(const R& r) {
@@ -308,7 +327,7 @@ std::string advice_on_shape(const R& r) {
   add(has_stretched_area(r) || r.handle_displacement > r.causes.reach, {"use a larger region"});
   add(r.has_targets, {"check the targets near it", "lower the weights of landmarks that contradict each other"});
   add(!r.has_targets && r.causes.lone_handle, {"use a group of vertices as the handle"});
-  add(r.fit.has_value(), {"raise the detail of the fit", "exclude the vertices near it", "give landmarks"});
+  add(r.fit.has_value(), {"exclude the vertices near it", "give landmarks", "raise the detail of the fit"});
   add(r.settings.order > 1, {"use order 1"});
   add((!r.fit && r.causes.rotation > 90) || ways.empty(), {"make the edit in two steps"});
   for (std::size_t k = 0; k < ways.size(); ++k) {
@@ -366,9 +385,12 @@ std::string advice_on_corner(const R& r) {
 
 std::string EditReport::advice() const {
   const R& r = *this;
-  const bool shape = folded > 0 || new_intersections.value_or(0) > 0 || has_long_edges(r) || has_stretched_area(r);
+  // One or two folds among the many triangles of a fit are no reason to look for a cause.
+  constexpr double kFewFolds = 5e-4;
+  const bool folds = folded > (fit ? std::max(2.0, kFewFolds * mesh_vertices) : 0);
+  const bool shape = folds || new_intersections.value_or(0) > 0 || has_long_edges(r) || has_stretched_area(r);
   return sentences({{causes.unheld && handle_displacement > 0, advice_on_hold(r)},
-                    {fit.has_value(), fit ? advice_on_fit(*fit) : ""},
+                    {fit.has_value(), fit ? advice_on_fit(*fit, landmarks) : ""},
                     {causes.lost.vertex >= 0, advice_on_volume(r)},
                     {!causes.rigid && shape, advice_on_shape(r)},
                     {is_far_from_target(r, causes.distance), advice_on_handle(r)},

@@ -37,15 +37,14 @@ std::vector<FitLandmark> landmarks_of(const EditStep& step) {
   return landmarks;
 }
 
-/// Returns the region of a fit: build_region() with the landmarks as its handle. Without landmarks it is all components
-/// of the mesh, or the vertices given.
+/// Returns the region of a fit: all components of the mesh, or build_region() with the landmarks as its handle.
 Region fit_region(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                   const std::vector<int>& landmarks, int threads) {
-  if (!landmarks.empty() || spec.kind == RegionSpec::Kind::Radius) {
+  const bool whole = spec.kind == RegionSpec::Kind::Component;
+  if (!whole && (!landmarks.empty() || spec.kind == RegionSpec::Kind::Radius)) {
     return build_region(mesh, adjacency, spec, {landmarks}, threads);
   }
   // build_region() needs a handle: use the vertex of each component that is nearest to its centroid.
-  const bool whole = spec.kind == RegionSpec::Kind::Component;
   std::vector<char> kinds(static_cast<std::size_t>(mesh.vertices.rows()), whole ? 1 : 0);
   for (const int v : spec.vertices) {
     require_vertex("Vertex", v, mesh.vertices.rows(), "region.vertices");
@@ -68,6 +67,9 @@ Region fit_region(const TriangleMesh& mesh, const Adjacency& adjacency, const Re
       middles.push_back(component[static_cast<std::size_t>(middle)]);
     }
   }
+  middles.insert(middles.end(), landmarks.begin(), landmarks.end());
+  std::sort(middles.begin(), middles.end());
+  middles.erase(std::unique(middles.begin(), middles.end()), middles.end());
   return build_region(mesh, adjacency, spec, {middles}, threads);
 }
 

@@ -4,13 +4,14 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
 
 #include "lapedit/base/polar_decomposition.h"
 
 namespace lapedit {
 namespace {
-
-constexpr double kTrimmed = 0.8;  // fraction of the pairs that counts: the nearest ones
 
 /// Returns the second moments of points about their mean.
 Matrix3 moments(const Points& points) {
@@ -26,7 +27,8 @@ Matrix3 principal_axes(const Points& points) {
 }
 
 /// Aligns surfaces with the trimmed iterative closest point method (D. Chetverikov et al. 2002). Pairs are in both
-/// directions, so that a template with a free scale does not shrink into the scan.
+/// directions, so that a template with a free scale does not shrink into the scan. Each direction chooses which
+/// fraction of its pairs overlaps.
 class TrimmedIcp {
  public:
   TrimmedIcp(const SurfaceIndex& from, const Scan& scan, int samples, bool scaled, ThreadPool& pool)
@@ -39,10 +41,10 @@ class TrimmedIcp {
         hints_(static_cast<std::size_t>(ours_.points.rows() + theirs_.points.rows()), -1),
         distances_(hints_.size()) {}
 
-  /// Makes at most `rounds` steps, fewer if one changes the residual by less than a thousandth. @return the residual:
-  /// the RMS distance of the nearest pairs
+  /// Makes at most `rounds` steps, fewer if one hardly changes the residual. @return the residual:
+  /// the RMS distance of the nearest pairs, those of a small fraction counted as larger
   double run(SimilarityMap& map, int rounds) {
-    constexpr double kConverged = 1e-3;
+    constexpr double kConverged = 3e-3;
     double before = -1;
     for (int round = 0;; ++round) {
       report_progress(0, "align");
@@ -79,21 +81,37 @@ class TrimmedIcp {
     return std::sqrt((trim(0, ours) + trim(ours, all - ours)) / 2);
   }
 
-  /// Gives equal weights to the nearest pairs of a range. @return their mean squared distance
+  /// Gives equal weights to the pairs of a range that overlap: the nearest 80 %, or fewer if their RMS distance over
+  /// the square of their fraction is clearly smaller. @return their mean squared distance
   double trim(Eigen::Index first, Eigen::Index count) {
+    constexpr double kMost = 0.8, kLeast = 0.25, kStep = 0.05, kClearly = 0.75 * 0.75;
     sorted_.assign(distances_.begin() + first, distances_.begin() + first + count);
-    const auto last = static_cast<std::ptrdiff_t>(kTrimmed * static_cast<double>(count - 1));
-    std::nth_element(sorted_.begin(), sorted_.begin() + last, sorted_.end());
-    const double most = sorted_[static_cast<std::size_t>(last)];
-    double sum = 0, weights = 0;
+    std::sort(sorted_.begin(), sorted_.end());
+    Eigen::Index taken = 0, chosen = 0;
+    double sum = 0, best = 0;
+    for (double part = kLeast; part < kMost + kStep / 2; part += kStep) {
+      const auto upto = static_cast<Eigen::Index>(part * static_cast<double>(count - 1)) + 1;
+      for (; taken < upto; ++taken) {
+        sum += sorted_[static_cast<std::size_t>(taken)];
+      }
+      const double ratio = kMost / part, value = sum / static_cast<double>(taken) * ratio * ratio * ratio * ratio;
+      const bool last = part + kStep > kMost + kStep / 2;
+      if (chosen == 0 || (last ? kClearly * value : value) <= best) {
+        best = value;
+        chosen = taken;
+      }
+    }
+    if (chosen == taken) {  // nearly all overlaps, so the remaining pairs count a little: a row of teeth moved by one
+      constexpr double kLittle = 0.01;
+      best += kLittle * std::accumulate(sorted_.begin(), sorted_.end(), 0.0) / static_cast<double>(count);
+    }
+    const double most = sorted_[static_cast<std::size_t>(chosen - 1)];
     for (Eigen::Index k = first; k < first + count; ++k) {
       if (distances_[static_cast<std::size_t>(k)] <= most) {
         weights_[k] = 1 / static_cast<double>(count);
-        sum += distances_[static_cast<std::size_t>(k)];
-        weights += 1;
       }
     }
-    return sum / weights;
+    return best;
   }
 
   const SurfaceIndex &surface_, &scan_;
@@ -140,6 +158,21 @@ std::vector<SimilarityMap> starts_of(const Points& ours, const Points& theirs, c
   return starts;
 }
 
+/// Improves an alignment by few landmarks with the surfaces, unless these draw it away from the landmarks.
+void improve(TrimmedIcp& surfaces, const Points& landmarks, const Points& targets, Alignment& by_landmarks) {
+  constexpr int kRounds = 10;
+  constexpr double kWorse = 1.5, kLittle = 0.01;
+  SimilarityMap map = by_landmarks.map;
+  const double residual = surfaces.run(map, kRounds);
+  const auto distance = [&](const SimilarityMap& of) {
+    return (of.all(landmarks) - targets).norm() / std::sqrt(static_cast<double>(landmarks.rows()));
+  };
+  if (distance(map) < kWorse * distance(by_landmarks.map) + kLittle) {
+    by_landmarks.map = map;
+    by_landmarks.residual = residual;
+  }
+}
+
 }  // namespace
 
 Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap& in_place, const Points& landmarks,
@@ -153,12 +186,18 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   if (allowed == FitAlign::None || best.by_landmarks) {
     best.map = best.by_landmarks ? best_similarity(landmarks, targets, scaled ? 0 : in_place.scale) : in_place;
     best.residual = fine.run(best.map, 0);
+    if (best.by_landmarks && scaled) {
+      improve(fine, landmarks, targets, best);
+    }
     return best;
   }
-  std::vector<SimilarityMap> maps = starts_of(from.samples(kMany).points, scan.surface().samples(kMany).points,
-                                              in_place, scaled ? 1 : in_place.scale);
+  const Points theirs = scan.surface().samples(kMany).points;
+  const double scale = scaled ? 1 : in_place.scale;
+  std::vector<SimilarityMap> maps = starts_of(from.samples(kMany).points, theirs, in_place, scale);
+  const SimilarityMap given = maps[0];
   std::vector<double> residuals(maps.size());
   TrimmedIcp coarse(from, scan, kFew, scaled, pool);
+  const double unmoved = coarse.run(maps[0], 0);
   for (std::size_t k = 0; k < maps.size(); ++k) {
     residuals[k] = coarse.run(maps[k], kFirstRounds);
   }
@@ -166,16 +205,47 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   for (std::size_t k = 0; k < maps.size(); ++k) {
     residuals[k] = residuals[k] <= most ? coarse.run(maps[k], kRounds) : residuals[k];
   }
-  const auto chosen =
-      static_cast<std::size_t>(std::min_element(residuals.begin(), residuals.end()) - residuals.begin());
-  best.map = maps[chosen];
-  best.residual = fine.run(best.map, kFirstRounds);
-  for (std::size_t k = 0; k < maps.size(); ++k) {
-    constexpr double kSameRotation = 2.88;  // trace of a rotation by 20 degrees
-    if (maps[k].rotation.cwiseProduct(maps[chosen].rotation).sum() < kSameRotation && residuals[chosen] > 0) {
-      const double other = residuals[k] * best.residual / residuals[chosen];
-      best.second = std::min(best.second.value_or(other), other);
+  const auto angle = [&maps](std::size_t k, const Matrix3& from) {  // the cosine
+    return (maps[k].rotation.cwiseProduct(from).sum() - 1) / 2;
+  };
+  // A template often lies well: another orientation has to be clearly better, and so has another start of this one.
+  constexpr double kClearly = 1.25, kInPlace = 0.7071, kSameRotation = 0.94;
+  const auto best_of = [&](double cosine) {
+    std::size_t found = maps.size();
+    for (std::size_t k = 0; k < maps.size(); ++k) {
+      if (angle(k, Matrix3::Identity()) >= cosine && (found == maps.size() || residuals[k] < residuals[found])) {
+        found = k;
+      }
     }
+    return found;
+  };
+  std::size_t chosen = best_of(-1.5);
+  for (const std::size_t k : {best_of(kInPlace), std::size_t{0}}) {
+    if (k < maps.size() && angle(k, Matrix3::Identity()) >= kInPlace && residuals[k] <= kClearly * residuals[chosen]) {
+      chosen = k;
+    }
+  }
+  // A place that is nearly as good is kept: what is left may be the difference of the shapes.
+  constexpr double kNearly = 3;
+  const bool stays = unmoved <= kNearly * *std::min_element(residuals.begin(), residuals.end());
+  chosen = stays ? 0 : chosen;
+  best.map = stays ? given : maps[chosen];
+  best.residual = fine.run(best.map, stays ? 0 : kFirstRounds);
+  best.searched = residuals[chosen];
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    if (angle(k, maps[chosen].rotation) < kSameRotation) {
+      best.second = std::min(best.second.value_or(residuals[k]), residuals[k]);
+    }
+  }
+  Points image = from.points();
+  image.col(0) *= -1;
+  Faces faces = from.faces();
+  faces.col(1).swap(faces.col(2));
+  const SurfaceIndex mirrored(std::move(image), std::move(faces));
+  TrimmedIcp other(mirrored, scan, kFew, scaled, pool);
+  best.mirrored = std::numeric_limits<double>::infinity();
+  for (SimilarityMap& map : starts_of(mirrored.samples(kMany).points, theirs, in_place, scale)) {
+    best.mirrored = std::min(best.mirrored, other.run(map, kFirstRounds + kRounds));
   }
   return best;
 }

@@ -16,9 +16,13 @@ enum class FitAlign {
 };
 
 struct Alignment {
-  SimilarityMap map;             ///< of the template of size 1
-  double residual = 0;           ///< RMS distance of the nearest 80 % both ways; the scan's size is 1
-  std::optional<double> second;  ///< of the best other start that ends with another rotation
+  SimilarityMap map;    ///< of the template of size 1
+  double residual = 0;  ///< RMS distance of the pairs that overlap, both ways; the scan's size is 1
+  /// The same of some samples, in which further pairs count a little: of the orientation that was chosen, and of the
+  /// best other one. 0: not searched
+  double searched = 0;
+  std::optional<double> second;
+  double mirrored = 0;  ///< of the template's mirror image
   bool by_landmarks = false;
 };
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "lapedit/mesh/patch_border.h"
+
 namespace lapedit {
 namespace {
 
@@ -30,16 +32,35 @@ SurfaceSamples samples_of(const SurfaceIndex& scan, int vertices) {
   return scan.samples(scan.is_cloud() ? kOfACloud * vertices : vertices);
 }
 
+/// Returns the edges at the end of a surface as triangles without area.
+Faces border_edges(const Faces& faces) {
+  const std::vector<std::pair<unsigned, unsigned>> edges = single_edges({faces.data(), faces.data() + faces.size()});
+  Faces flat(static_cast<Eigen::Index>(edges.size()), 3);
+  for (Eigen::Index k = 0; k < flat.rows(); ++k) {
+    const auto& [a, b] = edges[static_cast<std::size_t>(k)];
+    flat.row(k) << static_cast<int>(a), static_cast<int>(b), static_cast<int>(b);
+  }
+  return flat;
+}
+
 }  // namespace
 
 Correspondences::Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance,
-                                 const FitConstants& constants)
+                                 bool borders, const FitConstants& constants)
     : scan_(scan),
       surface_(surface),
       free_(std::move(free)),
       given_(distance),
       with_(constants),
       samples_(samples_of(scan.surface(), static_cast<int>(surface.points().rows()))) {
+  std::uint32_t rank = 0;
+  rank_.resize(free_.size());
+  for (const int v : order_by_position(surface.points())) {
+    rank_[static_cast<std::size_t>(v)] = rank++;
+  }
+  if (const Faces edges = borders ? border_edges(scan.surface().faces()) : Faces(); edges.rows() > 0) {
+    border_ = std::make_unique<const SurfaceIndex>(scan.surface().points(), edges);
+  }
   forward_.pairs.resize(free_.size());
   back_.pairs.resize(static_cast<std::size_t>(samples_.points.rows()));
 }
@@ -61,6 +82,13 @@ void Correspondences::look(const SurfaceIndex& on, const Vector3& point, const V
   }
   pair.distance = offset.norm();
   pair.pull = (to_scan ? 1 : -1) * (with_.tangential * offset + (1 - with_.tangential) * straight);
+}
+
+/// Finds the partner of a point of the template's border on that of the scan.
+void Correspondences::look_for_border(const Vector3& point, Pair& pair) const {
+  pair.at = border_->nearest(point, pair.at.face);
+  pair.pull = border_->position(pair.at) - point;
+  pair.distance = pair.pull.norm();
 }
 
 /// Collects the distances of a direction, and computes the distance up to which its pairs count fully.
@@ -92,11 +120,16 @@ void Correspondences::update(double least, double part, ThreadPool& pool) {
     const int at = back ? k - n : k;
     Pair& pair = (back ? back_ : forward_).pairs[static_cast<std::size_t>(at)];
     pair.distance = -1;
-    if (!is_in_part(static_cast<std::uint32_t>(at), part)) {
+    if (!is_in_part(back ? static_cast<std::uint32_t>(at) : rank_[static_cast<std::size_t>(at)], part)) {
       return;
     }
     if (!back && free_[static_cast<std::size_t>(at)] != 0) {
-      look(scan_.surface(), surface_.points().row(at).transpose(), surface_.normals().row(at).transpose(), pair);
+      const Vector3 point = surface_.points().row(at).transpose();
+      if (border_ && surface_.is_on_border(at)) {
+        look_for_border(point, pair);
+      } else {
+        look(scan_.surface(), point, surface_.normals().row(at).transpose(), pair);
+      }
     } else if (back) {
       look(surface_, samples_.points.row(at).transpose(), samples_.normals.row(at).transpose(), pair);
       for (int c = 0; c < 3; ++c) {
@@ -141,6 +174,14 @@ double Correspondences::turn_normals(ThreadPool& pool) {
   const Eigen::Index reversed = (cosines.array() < -with_.cosine).count();
   side_ = reversed > 2 * same ? -1 : 1;
   return (side_ < 0 ? same : reversed) / std::max(1.0, static_cast<double>(same + reversed));
+}
+
+double Correspondences::uncovered() const {
+  double sum = 0;
+  for (const Pair& pair : back_.pairs) {
+    sum += pair.at.squared;
+  }
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, back_.pairs.size())));
 }
 
 double Correspondences::matched(bool back) const {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lapedit/fit/fit_constants.h"
@@ -17,8 +18,12 @@ class Correspondences {
  public:
   /// Template and scan must outlive the object. @param free  per vertex: whether it may be drawn
   /// @param distance  up to which pairs count fully, in units of the scan's size; 0: from the distances
-  Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance,
+  /// @param borders   whether the template's border is drawn to that of the scan
+  Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance, bool borders,
                   const FitConstants& constants);
+
+  /// Lets the scan draw a vertex from now on.
+  void draw(int vertex) { free_[static_cast<std::size_t>(vertex)] = 1; }
 
   /// Finds the pairs of the template's positions. @param least  lower limit of the automatic distance
   /// @param part  fraction of vertices and samples to search for; equal fractions select the same ones. The weights are
@@ -37,6 +42,8 @@ class Correspondences {
   const std::vector<double>& distances(bool back) const { return back ? back_.distances : forward_.distances; }
   /// Returns the fraction of the free vertices or, with `back`, of the scan's samples that have such a pair.
   double matched(bool back) const;
+  /// Returns the RMS distance of all samples of the scan from the template, also of those without a pair.
+  double uncovered() const;
 
  private:
   struct Pair {
@@ -50,12 +57,15 @@ class Correspondences {
     double full = 0;
   };
   void look(const SurfaceIndex& on, const Vector3& point, const Vector3& normal, Pair& pair) const;
+  void look_for_border(const Vector3& point, Pair& pair) const;
   void gather(Direction& direction, double least);
 
   const Scan& scan_;
   const SurfaceIndex& surface_;
   std::vector<char> free_;
+  std::vector<std::uint32_t> rank_;  // of the vertices by position
   double given_;
+  std::unique_ptr<const SurfaceIndex> border_;  // edges at the end of the scan, if the template's border is drawn there
   FitConstants with_;
   double side_ = 1;  // -1: the scan's normals are reversed
   SurfaceSamples samples_;

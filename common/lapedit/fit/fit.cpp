@@ -12,12 +12,14 @@
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/fit/correspondences.h"
+#include "lapedit/fit/hidden_pieces.h"
 #include "lapedit/fit/template_energy.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
 
+constexpr int kNear = 6;    // the stage from which on the surface is near enough to decide which pieces the scan shows
 constexpr int kStages = 9;  // 2^3 equal ratios of lengths, which std::sqrt() computes with the same bits everywhere
 
 void validate(const ScanFitSettings& settings) {
@@ -26,6 +28,11 @@ void validate(const ScanFitSettings& settings) {
                                                   ": give a number from 0.003 to 0.4, the length over the template's "
                                                   "size down to which it follows the scan.")
         .at("fit.detail");
+  }
+  if (settings.accuracy && !(*settings.accuracy >= 0 && std::isfinite(*settings.accuracy))) {
+    throw EditError(ErrorCause::BadParameter, "The accuracy of the fit is " + number_text(*settings.accuracy) +
+                                                  ": give a length in model units, or 0 for exact landmarks.")
+        .at("fit.accuracy");
   }
   if (!(settings.distance >= 0 && std::isfinite(settings.distance))) {
     throw EditError(ErrorCause::BadParameter, "The distance of the fit is " + number_text(settings.distance) +
@@ -45,6 +52,8 @@ class Fit {
   void rotate();
   void pull();
   void finish(double length);
+  void check_landmarks();
+  double largest_stretch() const;
   FitDistances measured(bool back) const;
   std::string advice_without_partners() const;
 
@@ -59,6 +68,7 @@ class Fit {
   std::unique_ptr<SurfaceIndex> surface_;
   std::unique_ptr<TemplateEnergy> energy_, smoothing_;
   std::unique_ptr<Correspondences> pairs_;
+  std::unique_ptr<HiddenPieces> hidden_;
   Eigen::VectorXd least_, held_;  // for the stage: weights of the vertices, and of landmarks and anchors
   Matrix3 turned_;                // rotation of the alignment
   Points forces_, velocity_;
@@ -123,8 +133,16 @@ Fit::Fit(const FitProblem& problem)
   velocity_.setZero(region.size(), 3);
   size_ = map.scale;
   surface_->move(points_, *pool_);
+  std::vector<int> keep = anchors_;
+  for (const FitLandmark& landmark : of_.landmarks) {
+    keep.push_back(landmark.vertex);
+  }
+  hidden_ = std::make_unique<HiddenPieces>(region, *surface_, keep);
+  for (const int i : hidden_->vertices()) {
+    free[static_cast<std::size_t>(i)] = 0;
+  }
   pairs_ = std::make_unique<Correspondences>(of_.scan, *surface_, std::move(free),
-                                             of_.settings.distance / of_.scan.size(), with_);
+                                             of_.settings.distance / of_.scan.size(), of_.settings.borders, with_);
   TriangleMesh aligned = {Points::Zero(of_.mesh.vertices.rows(), 3), of_.mesh.faces};
   scatter(region.mesh_vertex, rest_, aligned.vertices);
   energy_ = std::make_unique<TemplateEnergy>(aligned, region, rest_, size_, with_.membrane, pool_);
@@ -147,6 +165,10 @@ Fit::Fit(const FitProblem& problem)
   if (alignment.second) {
     report.second = *alignment.second * unit;
   }
+  report.mirrored = alignment.mirrored * unit;
+  report.searched = alignment.searched * unit;
+  constexpr double kInPlace = 2.4142;  // trace of a rotation by 45 degrees
+  report.kept = turned_.trace() > kInPlace;
   pairs_->turn_normals(*pool_);
   report.reversed_normals = pairs_->reversed();
 }
@@ -155,8 +177,11 @@ void Fit::weigh(double length) {
   least_ = pairs_->weights().cwiseMax(with_.unmatched_weight);
   held_.setZero(of_.region.size());
   const double weight = with_.landmark_weight * length * length / energy_->mean_area();
+  // Landmarks decide in the first stages which part goes where, and in the last ones as far as they are accurate.
+  const double error = of_.settings.accuracy ? *of_.settings.accuracy / of_.scan.size() : with_.accuracy,
+               trust = std::min(1.0, with_.trust * length * length / std::max(error * error, 1e-300));
   for (const FitLandmark& landmark : of_.landmarks) {
-    held_[landmark.vertex] = weight * landmark.weight * landmark.weight;
+    held_[landmark.vertex] = trust * weight * landmark.weight * landmark.weight;
   }
   for (const int i : anchors_) {
     held_[i] = weight * of_.region.anchor_weight[i] * of_.region.anchor_weight[i];
@@ -221,6 +246,13 @@ void Fit::run_stage(int stage, double length) {
     const double fraction = (stage + static_cast<double>(round) / with_.rounds) / kStages;
     report_progress(fraction, text.c_str());
     surface_->move(points_, *pool_);
+    if (round == 0 && stage == kNear) {
+      for (const int v : hidden_->take_shown(*surface_, of_.scan)) {
+        pairs_->draw(v);
+        velocity_.row(v).setZero();
+      }
+      report.hidden = hidden_->count();
+    }
     pairs_->update(length, part, *pool_);
     if (round == 0) {
       weigh(length);
@@ -236,6 +268,7 @@ void Fit::run_stage(int stage, double length) {
     }
     velocity_ = last ? step : with_.momentum * velocity_ + step;
     points_ += velocity_;
+    hidden_->follow(rest_, of_.settings.mode == FitMode::Shape, points_);
     ++report.rounds;
   }
   ++report.stages;
@@ -274,6 +307,55 @@ std::string Fit::advice_without_partners() const {
          "that each landmark has its own target: left and right may be exchanged, or one of both a mirror image.";
 }
 
+/// Finds the landmark that is farthest from its target, which the surface around it contradicts.
+void Fit::check_landmarks() {
+  OddLandmark& odd = result_.report.odd;
+  double squares = 0, farthest = 0;
+  for (std::size_t k = 0; k < of_.landmarks.size(); ++k) {
+    const int vertex = of_.landmarks[k].vertex;
+    const Vector3 target = targets_.row(static_cast<Eigen::Index>(k)).transpose();
+    const double squared = (points_.row(vertex).transpose() - target).squaredNorm();
+    squares += squared;
+    if (squared > farthest) {
+      farthest = squared;
+      odd.vertex = of_.region.mesh_vertex[vertex];
+      odd.to_scan = of_.scan.size() * std::sqrt(of_.scan.surface().nearest(target).squared);
+    }
+  }
+  odd.distance = of_.scan.size() * std::sqrt(farthest);
+  odd.others = of_.scan.size() * std::sqrt((squares - farthest) /
+                                           static_cast<double>(std::max<std::size_t>(2, of_.landmarks.size()) - 1));
+}
+
+/// Returns how many times as long as the median of all triangles the most stretched ones became, apart from half a
+/// percent of them.
+double Fit::largest_stretch() const {
+  std::vector<double> stretches;
+  const Faces& faces = of_.region.faces;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const auto metric = [&](const Points& points) {
+      Eigen::Matrix<double, 3, 2> edges;
+      edges << (points.row(faces(f, 1)) - points.row(faces(f, 0))).transpose(),
+          (points.row(faces(f, 2)) - points.row(faces(f, 0))).transpose();
+      return Eigen::Matrix2d(edges.transpose() * edges);
+    };
+    const Eigen::Matrix2d before = metric(rest_);
+    constexpr double kNeedle = 1e-6;
+    if (before.determinant() > kNeedle * before.trace() * before.trace()) {
+      const Eigen::Matrix2d ratio = before.inverse() * metric(points_);
+      const double half = ratio.trace() / 2;
+      stretches.push_back(std::sqrt(half + std::sqrt(std::max(0.0, half * half - ratio.determinant()))));
+    }
+  }
+  if (stretches.empty()) {
+    return 1;
+  }
+  std::sort(stretches.begin(), stretches.end());
+  constexpr double kMost = 0.995;
+  return stretches[static_cast<std::size_t>(kMost * static_cast<double>(stretches.size() - 1))] /
+         stretches[stretches.size() / 2];
+}
+
 /// Measures the fit, and converts its positions to model units.
 void Fit::finish(double length) {
   report_progress(1, ("fit: measure" + distance_).c_str());
@@ -282,6 +364,9 @@ void Fit::finish(double length) {
   result_.report.to_scan = measured(false);
   result_.report.from_scan = measured(true);
   result_.report.opposed = pairs_->turn_normals(*pool_);
+  result_.report.uncovered = of_.scan.size() * pairs_->uncovered();
+  result_.report.largest_stretch = largest_stretch();
+  check_landmarks();
   constexpr double kNone = 0.01;
   if (result_.report.to_scan.matched < kNone && result_.report.from_scan.matched < kNone) {
     throw EditError(ErrorCause::BadParameter,

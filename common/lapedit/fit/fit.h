@@ -22,7 +22,10 @@ struct ScanFitSettings {
   FitMode mode = FitMode::Shape;
   /// Empty: FitAlign::None for a region with anchors, else similarity for FitMode::Shape and rigid for FitMode::Pose.
   std::optional<FitAlign> align = {};
-  double detail = 0.03;         ///< length of the last stage over the template's size, 0.003 to 0.4
+  double detail = 0.03;  ///< length of the last stage over the template's size, 0.003 to 0.4
+  /// Of the landmarks, model units: their targets are met about as exactly; none: 0.5 % of the scan's size.
+  std::optional<double> accuracy = {};
+  bool borders = false;         ///< the template's border is drawn to that of the scan: both end at the same lines
   double distance = 0;          ///< up to which pairs count fully, model units; 0: from the distances
   FitConstants constants = {};  ///< internal
 };

@@ -8,6 +8,8 @@ struct FitConstants {
   double first_length = 0.4;        ///< over the template's size
   double unmatched_weight = 0.001;  ///< of a vertex without a partner, so that it keeps its position
   double landmark_weight = 80;      ///< times l^2 over the mean vertex area
+  double accuracy = 0.005;          ///< of landmarks over the scan's size
+  double trust = 2.5e-5;            ///< times (l / accuracy)^2, at most 1: factor of the landmarks' weight
   double momentum = 0.8;            ///< of a step in the next one (B. Polyak 1964): slow modes converge sooner
   double per_length = 2.5;          ///< vertices and samples that a stage has along its length, of those that there are
   int rounds = 9;                   ///< of a stage

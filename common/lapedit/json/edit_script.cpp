@@ -466,6 +466,11 @@ void visit(Keys& keys, FitStep& fit) {
   }
   keys.may("detail", settings.detail);
   keys.may("distance", settings.distance);
+  double accuracy = settings.accuracy.value_or(0);
+  if (keys.may("accuracy", accuracy, settings.accuracy.has_value())) {
+    settings.accuracy = accuracy;
+  }
+  keys.may("borders", settings.borders);
   ExcludeKeys exclude = {fit.exclude};
   keys.may("exclude", exclude, !fit.exclude.empty());
   if (keys.from != nullptr) {

@@ -355,6 +355,7 @@ Edit fit_landmarks(HandleGroup group) {
   Edit edit;
   EditStep& step = edit.steps.emplace_back();
   step.region.kind = RegionSpec::Kind::Component;
+  step.region.pieces = true;
   step.handles = {std::move(group)};
   step.settings = EditSettings::of(EditMethod::Linear);
   step.settings.laplacian = LaplacianKind::Surface;
