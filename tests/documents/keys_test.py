@@ -13,7 +13,7 @@ class Keys(unittest.TestCase):
         printed = subprocess.run([os.environ["LAPEDIT_DESCRIBE_KEYS"]], check=True, capture_output=True, text=True).stdout
         known = [line.split("\t") for line in printed.splitlines()]
         self.assertGreater(len(known), 15)
-        document = Document(pathlib.Path("edit_laplacian_drag/in-the-window.md"))
+        document = Document(pathlib.Path("edit_laplacian_drag/README.md"))
         self.assertEqual([[", ".join(code(row[0])), row[1]] for row in document.rows("Keys")], known)
 
 
