@@ -9,7 +9,7 @@ import unittest
 
 from documents import ROOT, Document, files
 
-LONGEST_README = 110  # lines
+LONGEST_README = 100  # lines
 LONGEST_METHOD = 2500  # words
 MOST_WORDS = 20000  # of all documents but those of the tests, without code
 
