@@ -42,7 +42,7 @@ class Page(unittest.TestCase):
 
     def test_move_a_point(self):
         self.assertRegex(self.printed(self.jobs["Move a point"]),
-                         r'^(6\.0|5\.99)\d* \d+\nsteps\[0\] steps\[0\]: unknown key "radius"; .*\n$')
+                         r'^1\.(5|499)\d* \d+\nsteps\[0\] steps\[0\]: unknown key "radius"; .*\n$')
 
     def test_pose_an_arm(self):
         self.assertRegex(self.printed(self.jobs["Pose an arm"]), r"^\d{4,} 0\.[01]\d+\n$")
