@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Each job of the cookbook does what it says, on generated meshes: its commands and its JSON with the program, and, with
-`cookbook_test.py --python`, also its Python, in an environment that has the package and trimesh.
+`cookbook_test.py --python`, also its Python, in an environment that has the package and trimesh. `xvfb-run cookbook_test.py --pictures`
+makes the page's pictures, with python3-vtk9.
 
 Environment:
   LAPEDIT_COMMAND    the program laplacian-edit
@@ -19,7 +20,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(os.environ["LAPEDIT_COMMAND"])
 PAGE = (ROOT / "common/docs/cookbook.md").read_text(encoding="utf-8")
-PYTHON = sys.argv[1:] == ["--python"]
+PYTHON, PICTURES = (sys.argv[1:] == [option] for option in ("--python", "--pictures"))
 
 
 def read(path):
@@ -92,6 +93,13 @@ class Cookbook(unittest.TestCase):
         self.assertTrue(now == faces)
         return before, after, self.same_in_python(job, mesh, after, tolerance)
 
+    def draw(self, name, *meshes, toward=(0.3, 0.1, 1), up=(0, 1, 0)):
+        """Draws meshes of the folder side by side into the page's picture of this name."""
+        if PICTURES:
+            panels = [word for mesh in meshes for word in ("--panel", f"{mesh}.ply", "")]
+            subprocess.run(["/usr/bin/python3", ROOT / "common/demo/render.py", ROOT / f"common/docs/pictures/cookbook_{name}.png", *panels,
+                            "--height", "220", "--toward", *map(str, toward), "--up", *map(str, up)], cwd=self.folder, check=True)
+
     def same_in_python(self, job, mesh, after, tolerance):
         if not PYTHON:
             return
@@ -119,6 +127,7 @@ class Cookbook(unittest.TestCase):
     def test_pipe(self):
         before, after, _ = self.apply("Bend a pipe by 30 degrees", "arm", 0.1)
         self.assertLess(abs(largest(1, after) - 2.65), 0.02)
+        self.draw("pipe", "arm", "out", toward=(0.2, -0.2, 1))
         tip = max(range(len(before)), key=lambda i: before[i][0])
         for ours, expected in zip(after[tip], (5 + 5 * math.cos(math.pi / 6), 2.5, 0)):
             self.assertAlmostEqual(ours, expected, delta=1e-3)
@@ -139,6 +148,7 @@ class Cookbook(unittest.TestCase):
         (self.folder / "edit.json").write_text(text, encoding="utf-8")
         self.run_command("laplacian-edit --strict person.ply out.ply edit.json")
         self.assertAlmostEqual(largest(0, read(self.folder / "out.ply")[0]), 1.79, delta=0.02)
+        self.draw("arm", "person", "out")
         tip = json.loads(text)
         tip["steps"][0] = {"region": {"radius": 0.6}, "handles": [
             {"within": {"point": [0.16, 1.6, 0.04], "radius": 0.35},
@@ -147,6 +157,7 @@ class Cookbook(unittest.TestCase):
         self.run_command(re.search(r"`(laplacian-edit --fractions [^`]*)`", self.jobs[job])[1])
         bent, _ = read(self.folder / "out-0004.ply")
         self.assertLess(min(p[2] for p in bent), -0.8)
+        self.draw("finger", "hand", "out-0004", toward=(0.9, 0.2, -0.5))
         self.same_in_python(job, "hand", bent, 1e-5)
 
     def test_landmarks(self):
@@ -157,6 +168,7 @@ class Cookbook(unittest.TestCase):
         landmarks = json.loads((self.folder / "report.json").read_text(encoding="utf-8"))["outputs"][0]["steps"][0]["landmarks"]
         self.assertEqual(sorted(one["name"] for one in landmarks), ["chin", "crown", "left", "nose", "right"])
         self.assertLess(max(one["residual"] for one in landmarks), 1e-3)
+        self.draw("landmarks", "head", "out", toward=(0.5, 0.1, 1))
         _before, after, _ = self.apply(job, "head", 1e-5)
         self.assertTrue(after == short, "--landmarks stands for another edit")
 
@@ -176,6 +188,7 @@ class Cookbook(unittest.TestCase):
         job = "Move half a row of teeth"
         self.run_command(self.blocks(job, "sh")[0])
         before, after, _ = self.apply(job, "letters", 0.1)
+        self.draw("teeth", "letters", "out", toward=(0.2, -0.6, 0.6))
         for i, point in enumerate(before):
             if point[0] > 1.5 and point[2] > 0.1:
                 self.assertAlmostEqual(after[i][0] - point[0], 0.1, delta=1e-3)
@@ -191,6 +204,7 @@ class Cookbook(unittest.TestCase):
         write(self.folder / "mirrored.ply", [[-x, y, z] for x, y, z in points], [face[::-1] for face in faces])
         self.run_command(self.blocks(job, "sh")[0])
         after, _ = read(self.folder / "out.ply")
+        self.draw("symmetric", "crooked", "out", toward=(0, 0, 1))
         crooked, even = (max(made, key=lambda p: p[2])[0] for made in (points, after))  # where the nose's tip is
         self.assertGreater(crooked, 0.08)
         self.assertLess(abs(even), 0.03)
