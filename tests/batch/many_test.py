@@ -17,7 +17,8 @@ import make_family  # noqa: E402
 
 COMMAND = pathlib.Path(os.environ["LAPEDIT_COMMAND"])
 DOCUMENT = (ROOT / "common" / "docs" / "cookbook.md").read_text(encoding="utf-8").split("\n## Edit 200 meshes\n")[1]
-PARALLEL, HOSTS, MAKE = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)
+PARALLEL, MAKE = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)
+HOSTS = PARALLEL.replace("parallel", "parallel " + re.search(r"insert\n`(.*?)`", DOCUMENT)[1], 1)
 MAKEFILE = re.search(r"```make\n(.*?)```", DOCUMENT, re.S)[1]
 SLURM = ROOT / "filter_laplacian_edit" / "program" / "recipes" / "slurm_array.sh"
 SSH = """#!/bin/sh
