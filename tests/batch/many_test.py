@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The commands of common/docs/many-meshes.md, as they are printed there, run LAPEDIT_COMMAND, the program laplacian-edit."""
+"""The commands of the cookbook's section on many meshes, as they are printed there, run LAPEDIT_COMMAND, the program laplacian-edit."""
 import os
 import pathlib
 import re
@@ -16,8 +16,9 @@ sys.path.insert(0, str(ROOT / "common" / "demo"))
 import make_family  # noqa: E402
 
 COMMAND = pathlib.Path(os.environ["LAPEDIT_COMMAND"])
-DOCUMENT = (ROOT / "common" / "docs" / "many-meshes.md").read_text(encoding="utf-8")
-PARALLEL, HOSTS, MAKE = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)
+DOCUMENT = (ROOT / "common" / "docs" / "cookbook.md").read_text(encoding="utf-8").split("\n## Edit 200 meshes\n")[1]
+PARALLEL, MAKE = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)
+HOSTS = PARALLEL.replace("parallel", "parallel " + re.search(r"insert\n`(.*?)`", DOCUMENT)[1], 1)
 MAKEFILE = re.search(r"```make\n(.*?)```", DOCUMENT, re.S)[1]
 SLURM = ROOT / "filter_laplacian_edit" / "program" / "recipes" / "slurm_array.sh"
 SSH = """#!/bin/sh

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The JSON format's document names the keys that laplacian-edit accepts, all of them and no others."""
+"""The JSON format's document names the keys that laplacian-edit accepts, all of them and no others, and it or the cookbook shows
+each in an example."""
 import copy
 import functools
 import json
@@ -45,10 +46,13 @@ class JsonKeys(WithProgram):
         super().setUpClass()
         # What the example names.
         (cls.folder / "from.pp").write_text('<PickedPoints><point x="0" y="0" z="0" name="a"/></PickedPoints>', encoding="utf-8")
+        for name in ("from.csv", "to.csv"):
+            (cls.folder / name).write_text("a,0,0,0\n", encoding="utf-8")
         (cls.folder / "to.mrk.json").write_text(
             '{"markups": [{"controlPoints": [{"label": "a", "position": [0, 0, 1]}]}]}', encoding="utf-8")
         cls.document = Document(pathlib.Path("common/docs/json-format.md"))
-        cls.examples = [json.loads(text) for language, text in cls.document.blocks if language == "json"]
+        documents = cls.document, Document(pathlib.Path("common/docs/cookbook.md"))
+        cls.examples = [json.loads(text) for document in documents for language, text in document.blocks if language == "json"]
         cls.rows = {code(row[0])[0]: row for row in cls.document.rows("Keys")}
         cls.objects = {}  # path -> (an example that has such an object, the way there)
         for example in cls.examples:

@@ -38,12 +38,11 @@ class Page(unittest.TestCase):
         return done.stdout
 
     def test_all_are_here(self):
-        self.assertEqual(list(self.jobs), ["Move a point", "Pose an arm", "Fit landmarks", "Animate 60 frames", "Edit 200 meshes",
-                                           "PyMeshLab"])
+        self.assertEqual(list(self.jobs), ["Move a point", "Pose an arm", "Animate 60 frames", "Edit 200 meshes", "PyMeshLab"])
 
     def test_move_a_point(self):
         self.assertRegex(self.printed(self.jobs["Move a point"]),
-                         r'^(6\.0|5\.99)\d* \d+\nsteps\[0\] steps\[0\]: unknown key "radius"; .*\n$')
+                         r'^1\.(5|499)\d* \d+\nsteps\[0\] steps\[0\]: unknown key "radius"; .*\n$')
 
     def test_pose_an_arm(self):
         self.assertRegex(self.printed(self.jobs["Pose an arm"]), r"^\d{4,} 0\.[01]\d+\n$")
@@ -51,11 +50,6 @@ class Page(unittest.TestCase):
         tip = bent.vertices[bent.vertices[:, 0].argmax()]
         numpy.testing.assert_allclose(tip[[0, 2]], [2.08, 3.6], atol=0.3)
         self.assertGreater(bent.volume, 0.8 * numpy.pi * 0.16 * 4.4)
-
-    def test_fit_landmarks(self):
-        lines = self.printed(self.jobs["Fit landmarks"]).split("\n")[:-1]
-        self.assertEqual(sorted(line.split()[0] for line in lines), ["back", "left", "nose", "right"])
-        self.assertLess(max(float(line.split()[2]) for line in lines), 0.01)
 
     def test_animate_60_frames(self):
         self.printed(self.jobs["Animate 60 frames"])

@@ -30,3 +30,7 @@ trap 'rm -rf "$venv"' EXIT
 for test in $tests; do
   PYTHONDONTWRITEBYTECODE=1 LAPEDIT_COMMAND=$3 LAPEDIT_MESHES=$4 "$venv/bin/python" "$here/${test}_test.py"
 done
+if [ "$1" = newest ]; then
+  PYTHONDONTWRITEBYTECODE=1 LAPEDIT_COMMAND=$3 LAPEDIT_MAKE_MESH=$(dirname "$3")/../common/demo/make_mesh \
+    "$venv/bin/python" "$here/../documents/cookbook_test.py" --python
+fi

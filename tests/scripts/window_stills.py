@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes the pictures of edit_laplacian_drag/in-the-window.md but the film: called by window_pictures.sh.
+"""Makes the pictures of edit_laplacian_drag/README.md but the film: called by window_pictures.sh.
 
 usage: window_stills.py FOLDER   where the generated meshes are; the pictures are written there
 """
