@@ -23,7 +23,7 @@ std::string refusal(const std::string& step) {
 
 TEST(FitJson, IsReadAndWritten) {
   const Edit edit = read_step(R"("fit": {"to": "scan.ply", "mode": "pose", "align": "none", "detail": 0.05,
-                                          "distance": 2, "exclude": {"vertices": "12-14"}},
+                                          "distance": 2, "accuracy": 0.25, "borders": true, "exclude": {"vertices": "12-14"}},
                                   "handles": [{"points": [[0, 0, 1]], "targets": [[0, 1, 1]], "slide": 0.2}])");
   const std::string text = write_edit(edit);
   for (const Edit& each : {edit, read_edit(text)}) {
@@ -34,6 +34,8 @@ TEST(FitJson, IsReadAndWritten) {
     EXPECT_EQ(step.fit->settings.align, FitAlign::None);
     EXPECT_EQ(step.fit->settings.detail, 0.05);
     EXPECT_EQ(step.fit->settings.distance, 2);
+    EXPECT_EQ(step.fit->settings.accuracy, 0.25);
+    EXPECT_TRUE(step.fit->settings.borders);
     EXPECT_EQ(step.fit->exclude, std::vector<int>({12, 13, 14}));
     EXPECT_EQ(step.handles.at(0).slide, 0.2);
   }
@@ -44,6 +46,7 @@ TEST(FitJson, NeedsNoHandles) {
   const Edit edit = read_step(R"("fit": {"to": "scan.ply"})");
   EXPECT_TRUE(edit.steps[0].handles.empty());
   EXPECT_FALSE(edit.steps[0].fit->settings.align.has_value());
+  EXPECT_FALSE(edit.steps[0].fit->settings.accuracy.has_value());
   EXPECT_EQ(write_edit(read_edit(write_edit(edit))), write_edit(edit));
   EXPECT_EQ(write_edit(read_step(R"("fit": {"to": "scan.ply"}, "handles": [])")), write_edit(edit));
   EXPECT_NE(refusal(R"("handles": [])").find("one or more handle groups"), std::string::npos);

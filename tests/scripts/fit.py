@@ -368,6 +368,7 @@ def main():
         parser.add_argument("--" + name, type=pathlib.Path, required=True)
     parser.add_argument("--cases", default="", help="only cases whose names match this pattern")
     parser.add_argument("--no-peers", action="store_true")
+    parser.add_argument("--kinds", type=int, metavar="SEED", help="prints the table of kinds of fits on the page on fits")
     parser.add_argument("--picture", type=pathlib.Path, metavar="FILE", help="makes the picture of the page on fits")
     options = parser.parse_args()
     if options.picture:
@@ -377,6 +378,10 @@ def main():
         folder = pathlib.Path(name)
 
         make = maker(options.make_mesh, folder)
+        if options.kinds is not None:
+            import fit_kinds
+            fit_kinds.table(options, make)
+            return
         rows = []
         for case in [*generated_cases(make), *real_cases(options.meshes)]:
             if not re.search(options.cases, case.name):

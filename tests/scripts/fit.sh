@@ -5,6 +5,7 @@
 # repository.
 #
 # usage: fit.sh [OPTION of fit.py]...   for example --cases head, --no-peers
+#        fit.sh --kinds 1            the table of kinds in common/docs/fit.md, with cases of the seed 1
 #        fit.sh --picture common/docs/pictures/fit.png   (needs an X server, ImageMagick and python3-vtk9)
 # FIT_OUTPUT: folder of fit.md and fit.json; build/fit by default.
 # FIT_PYTHON: folder of the virtual environment; ~/.cache/laplacian-edit-fit by default.

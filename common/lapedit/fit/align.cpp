@@ -209,7 +209,7 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
     return (maps[k].rotation.cwiseProduct(from).sum() - 1) / 2;
   };
   // A template often lies well: another orientation has to be clearly better, and so has another start of this one.
-  constexpr double kClearly = 1.25, kInPlace = 0.7071, kSameRotation = 0.94;
+  constexpr double kClearly = 1.5, kInPlace = 0.7071, kSameRotation = 0.94;
   const auto best_of = [&](double cosine) {
     std::size_t found = maps.size();
     for (std::size_t k = 0; k < maps.size(); ++k) {
@@ -226,7 +226,7 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
     }
   }
   // A place that is nearly as good is kept: what is left may be the difference of the shapes.
-  constexpr double kNearly = 3;
+  constexpr double kNearly = 2;
   const bool stays = unmoved <= kNearly * *std::min_element(residuals.begin(), residuals.end());
   chosen = stays ? 0 : chosen;
   best.map = stays ? given : maps[chosen];
