@@ -226,7 +226,7 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
     }
   }
   // A place that is nearly as good is kept: what is left may be the difference of the shapes.
-  constexpr double kNearly = 2;
+  constexpr double kNearly = 3;
   const bool stays = unmoved <= kNearly * *std::min_element(residuals.begin(), residuals.end());
   chosen = stays ? 0 : chosen;
   best.map = stays ? given : maps[chosen];
