@@ -470,7 +470,7 @@ void visit(Keys& keys, FitStep& fit) {
   if (keys.may("accuracy", accuracy, settings.accuracy.has_value())) {
     settings.accuracy = accuracy;
   }
-  keys.may("borders", settings.borders);
+  keys.may("borders", settings.borders, settings.borders);
   ExcludeKeys exclude = {fit.exclude};
   keys.may("exclude", exclude, !fit.exclude.empty());
   if (keys.from != nullptr) {
