@@ -172,7 +172,7 @@ TEST(EliminationOrder, FillsHardlyMoreThanMinimumDegreeOrLess) {
   EXPECT_LT(fill_over_minimum_degree(surface(Surface::Tube, 120, 260)), 1.2);
 }
 
-/// Fails if the factorisation ignores an order, reads it the other way round, or hands it back wrong.
+/// Fails if the factorisation ignores an order, or reads it the other way round.
 TEST(EliminationOrder, IsTheOneTheFactorHas) {
   constexpr int kSize = 300;
   // A star: eliminating its centre first fills the whole factor, eliminating it last fills nothing.
@@ -185,27 +185,19 @@ TEST(EliminationOrder, IsTheOneTheFactorHas) {
   std::mt19937 random(6);
   const Points expected = Points::NullaryExpr(kSize, 3, [&] { return random() / 2147483648.0 - 1; });
   const Points right = star.selfadjointView<Eigen::Lower>() * expected;
-  std::vector<int> all = support::shuffled(kSize, 8), good = all;
+  std::vector<int> good = support::shuffled(kSize, 8);
   std::swap(good.back(), *std::find(good.begin(), good.end(), 5));
   const std::vector<int> bad(good.rbegin(), good.rend());
-  std::sort(all.begin(), all.end());
-  for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
-    for (const bool single : {false, true}) {
-      for (const std::vector<int>& order : {bad, good, std::vector<int>()}) {
-        CholeskyOptions options;
-        options.backend = backend;
-        options.single_precision = single;
-        options.order = order;
-        SparseCholesky factor(star, options);
-        EXPECT_EQ(factor.factor_nonzeros() > kSize * (kSize - 2) / 2U, order == bad) << factor.backend_name();
-        Points x;
-        factor.solve(right, x);
-        EXPECT_LT((x - expected).norm(), (factor.single_precision() ? 1e-5 : 1e-13) * expected.norm());
-        std::vector<int> back = factor.order();
-        EXPECT_TRUE(backend != CholeskyBackend::Eigen || order.empty() || back == order);
-        std::sort(back.begin(), back.end());
-        EXPECT_EQ(back, all) << factor.backend_name();
-      }
+  for (const bool single : {false, true}) {
+    for (const std::vector<int>& order : {bad, good, std::vector<int>()}) {
+      CholeskyOptions options;
+      options.single_precision = single;
+      options.order = order;
+      SparseCholesky factor(star, options);
+      EXPECT_EQ(factor.factor_nonzeros() > kSize * (kSize - 2) / 2U, order == bad);
+      Points x;
+      factor.solve(right, x);
+      EXPECT_LT((x - expected).norm(), (factor.single_precision() ? 1e-5 : 1e-13) * expected.norm());
     }
   }
 }

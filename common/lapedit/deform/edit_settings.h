@@ -54,7 +54,6 @@ struct EditSettings {
 /// How the equations are solved. The result does not depend on it.
 struct SolverOptions {
   int threads = 0;  ///< 0: number of processors
-  CholeskyBackend backend = CholeskyBackend::Supernodal;
 };
 
 bool operator==(const EditSettings& a, const EditSettings& b);

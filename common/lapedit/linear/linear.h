@@ -68,17 +68,11 @@ std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int thread
 
 class SparseCholesky;
 
-enum class CholeskyBackend {
-  Supernodal,  ///< fronts, dense kernels and threads; SupernodalSolver solves with it
-  Eigen        ///< Eigen's simplicial LDL^T: slower and simple, the reference
-};
-
 struct CholeskyOptions {
-  CholeskyBackend backend = CholeskyBackend::Supernodal;
   /// Elimination order: order[k] is the row eliminated k-th. Empty: approximate minimum degree.
   std::vector<int> order;
   /// Keeps the factor in single precision: half the memory and twice the speed, and solutions with a relative error of
-  /// about 1e-5, to be refined. The Eigen backend uses double.
+  /// about 1e-5, to be refined.
   bool single_precision = false;
   /// Empty: the caller's thread alone.
   std::shared_ptr<ThreadPool> pool;
@@ -91,12 +85,9 @@ struct CholeskyOptions {
 /// Other layers use factorisations through this class only.
 class SparseCholesky {
  public:
-  struct Impl;
-
   /// @param matrix  compressed; both halves or the lower one: only the lower one is read
   /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision
-  explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Supernodal);
-  SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
+  explicit SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options = {});
   /// Shares the immutable factor of another object, with scratch memory that is not shared, so that both can solve
   /// concurrently, each with its own pool (null: on the caller's thread), with the same bits. O(n).
   SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool);
@@ -110,14 +101,11 @@ class SparseCholesky {
 
   /// Elimination order: row order()[k] is the k-th.
   const std::vector<int>& order() const;
-
   bool single_precision() const;
-  const char* backend_name() const;
-  /// Returns whether the analysis of CholeskyOptions::same_pattern was reused.
-  bool analysis_reused() const;
   std::size_t factor_nonzeros() const;
 
  private:
+  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
