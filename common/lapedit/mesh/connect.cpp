@@ -245,7 +245,7 @@ int LinkSearch::across_wall(int v, const VertexTree& tree) {
 }
 
 std::vector<Link> LinkSearch::links() {
-  const VertexTree tree(points_, labels_, usable_), borders(points_, labels_, borders_);
+  const VertexTree tree(points_, usable_, &labels_), borders(points_, borders_, &labels_);
   std::vector<Link> links;
   Checkpoints checkpoints;
   const auto add = [&](int from, int to) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lapedit/mesh/region.h"
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
 
@@ -58,7 +58,7 @@ class MirrorImages {
   const TriangleMesh& mesh_;
   std::vector<int> usable_;
   Affine mirror_;
-  VertexGrid grid_;
+  VertexTree tree_;
   double edge_, limit_;
 };
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "lapedit/base/error.h"
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
 
@@ -41,7 +41,7 @@ class VertexFinder {
   const TriangleMesh& mesh_;
   std::vector<int> usable_;
   double diagonal_;
-  VertexGrid grid_;
+  VertexTree tree_;
 };
 
 /// Returns the vertex nearest to the handle point. @throws EditError as VertexFinder

@@ -41,7 +41,7 @@ class VertexTransfer {
   const VertexPositions& from_;
   Points points_;
   std::vector<int> image_;
-  std::optional<VertexGrid> grid_;
+  std::optional<VertexTree> tree_;
 };
 
 }  // namespace lapedit

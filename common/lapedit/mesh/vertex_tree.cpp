@@ -5,11 +5,19 @@
 
 namespace lapedit {
 
-VertexTree::VertexTree(const Points& points, const std::vector<int>& labels, std::vector<int> vertices)
+VertexTree::VertexTree(const Points& points, std::vector<int> vertices, const std::vector<int>* labels)
     : points_(points), labels_(labels), vertices_(std::move(vertices)) {
   if (!vertices_.empty()) {
     build(0, static_cast<int>(vertices_.size()));
   }
+}
+
+int VertexTree::nearest(const Vector3& position, double limit) const {
+  constexpr double kFar = 1e150;  // its square is finite
+  limit = std::min(limit, kFar);
+  std::size_t looks = 0;
+  const auto any = [](int) { return true; };
+  return nearest(position, limit * limit, kNoLabel, any, looks, vertices_.size() + 1).vertex;
 }
 
 int VertexTree::build(int first, int last) {
@@ -19,13 +27,13 @@ int VertexTree::build(int first, int last) {
   node.low = node.high = points_.row(vertices_[first]).transpose();
   node.first = first;
   node.last = last;
-  node.label = labels_[vertices_[first]];
+  node.label = label(vertices_[first]);
   node.lowest = vertices_[first];
   for (int k = first; k < last; ++k) {
     const int v = vertices_[k];
     node.low = node.low.cwiseMin(points_.row(v).transpose());
     node.high = node.high.cwiseMax(points_.row(v).transpose());
-    node.label = labels_[v] == node.label ? node.label : kNoLabel;
+    node.label = label(v) == node.label ? node.label : kNoLabel;
     node.lowest = std::min(node.lowest, v);
   }
   nodes_.push_back(node);

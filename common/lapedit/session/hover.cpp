@@ -29,7 +29,7 @@ HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
     : mesh_(mesh),
       adjacency_(adjacency),
       faces_(mesh),
-      grid_(mesh.vertices, usable_vertices(mesh)),
+      tree_(mesh.vertices, usable_vertices(mesh)),
       near_(kOfSize * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm()),
       discs_(mesh, adjacency),
       paths_(adjacency.neighbours, mesh.vertices),
@@ -81,7 +81,7 @@ HoverOutlines HoverSearch::outlines(const HoverQuery& query) {
   const Vector3 position = query.mirror
                                ? Vector3(reflection(*query.mirror) * mesh_.vertices.row(query.vertex).transpose())
                                : Vector3::Zero();
-  const int image = query.mirror && position.allFinite() ? grid_.nearest(position, near_) : -1;
+  const int image = query.mirror && position.allFinite() ? tree_.nearest(position, near_) : -1;
   if (image >= 0) {
     HoverOutlines other;
     other.radius = found.radius;

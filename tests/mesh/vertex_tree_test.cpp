@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <random>
 
-#include "lapedit/mesh/vertex_tree.h"
 #include "support.h"
 
-namespace lapedit::vertex_grid_test {
+namespace lapedit::vertex_tree_test {
 namespace {
 
 int nearest_of_all(const Points& points, const std::vector<int>& vertices, const Vector3& position, double limit,
@@ -27,7 +26,7 @@ int nearest_of_all(const Points& points, const std::vector<int>& vertices, const
 }
 
 /// Clouds, planes, lines and lattices full of ties, from positions inside and far outside, with and without a limit.
-TEST(VertexGridAndTree, FindWhatLookingAtAllFinds) {
+TEST(VertexTree, FindsWhatLookingAtAllFinds) {
   std::mt19937 random(14);
   std::uniform_real_distribution<double> coordinate(-1, 1);
   for (const Vector3& extent : {Vector3(1, 1, 1), Vector3(5, 1, 0), Vector3(0, 3, 0), Vector3(0, 0, 0)}) {
@@ -42,18 +41,17 @@ TEST(VertexGridAndTree, FindWhatLookingAtAllFinds) {
         some.resize(400);
         return some;
       }();
-      const VertexGrid grid(points, vertices);
       std::vector<int> labels(500);
       for (int v = 0; v < 500; ++v) {
         labels[v] = v % 2;
       }
-      const VertexTree tree(points, labels, vertices);
+      const VertexTree tree(points, vertices, &labels);
       for (int k = 0; k < 300; ++k) {
         const double far = k % 3 == 0 ? 4 : 1;
         Vector3 position(far * coordinate(random), far * coordinate(random), far * coordinate(random));
         position = lattice ? Vector3((2 * position).array().round() / 6) : position;
-        EXPECT_EQ(grid.nearest(position), nearest_of_all(points, vertices, position, 1e100, 0));
-        EXPECT_EQ(grid.nearest(position, 0.3), nearest_of_all(points, vertices, position, 0.3, 0));
+        EXPECT_EQ(tree.nearest(position), nearest_of_all(points, vertices, position, 1e100, 0));
+        EXPECT_EQ(tree.nearest(position, 0.3), nearest_of_all(points, vertices, position, 0.3, 0));
         std::size_t looks = 0;
         const auto found = tree.nearest(
             position, 0.09, 0, [](int) { return true; }, looks);
@@ -64,24 +62,24 @@ TEST(VertexGridAndTree, FindWhatLookingAtAllFinds) {
       }
     }
   }
-  EXPECT_EQ(VertexGrid(Points(0, 3), {}).nearest(Vector3(1, 2, 3)), -1);
+  EXPECT_EQ(VertexTree(Points(0, 3), {}).nearest(Vector3(1, 2, 3)), -1);
 }
 
-TEST(VertexGrid, StrayVerticesNearTheLargestNumberDoNoHarm) {
+TEST(VertexTree, StrayVerticesNearTheLargestNumberDoNoHarm) {
   for (const double far : {1e103, 1e154, 1e200, 1.7e308, 1e-308, 4e-324}) {
     for (const Vector3& at : {Vector3(1, 0, 0), Vector3(1, 1, 1), Vector3(-1, 1, 1e-9)}) {
       Points points(6, 3);
       points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, (far * at).transpose(), (-far * at).transpose();
       const std::vector<int> vertices = {0, 1, 2, 3, 4, 5};
-      const VertexGrid grid(points, vertices);
+      const VertexTree tree(points, vertices);
       for (int v = 0; v < 4; ++v) {
         const Vector3 position = points.row(v).transpose() + Vector3(0.2, 0.3, 0.1);
-        EXPECT_EQ(grid.nearest(position), nearest_of_all(points, vertices, position, 1e150, 0)) << far;
+        EXPECT_EQ(tree.nearest(position), nearest_of_all(points, vertices, position, 1e150, 0)) << far;
       }
-      EXPECT_EQ(grid.nearest(Vector3(far, far, far), 0.1), nearest_of_all(points, vertices, {far, far, far}, 0.1, 0));
+      EXPECT_EQ(tree.nearest(Vector3(far, far, far), 0.1), nearest_of_all(points, vertices, {far, far, far}, 0.1, 0));
     }
   }
 }
 
 }  // namespace
-}  // namespace lapedit::vertex_grid_test
+}  // namespace lapedit::vertex_tree_test
