@@ -5,7 +5,7 @@
 
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/adjacency.h"
-#include "lapedit/mesh/face_shape.h"
+#include "lapedit/mesh/surface_measures.h"
 #include "lapedit_host/mesh_bridge.h"
 
 namespace lapedit::host {

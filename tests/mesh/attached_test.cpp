@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/attached.h"
+#include "lapedit/mesh/connect.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "lapedit/mesh/protrusion.h"
-#include "lapedit/mesh/ray_cast.h"
+#include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/visibility.h"
 #include "shapes.h"
 #include "support.h"
 

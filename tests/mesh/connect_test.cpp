@@ -6,8 +6,8 @@
 #include <map>
 #include <tuple>
 
+#include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/geodesic.h"
-#include "lapedit/mesh/patch_border.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
 #include "support.h"

@@ -9,10 +9,10 @@
 
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/handle_transform.h"
+#include "lapedit/edit/vertex_transfer.h"
 #include "lapedit/fit/fit.h"
 #include "lapedit/mesh/region.h"
 #include "lapedit/mesh/symmetry.h"
-#include "lapedit/mesh/vertex_transfer.h"
 #include "lapedit/mesh/weld.h"
 
 namespace lapedit {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/attached.h"
+#include "lapedit/mesh/connect.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -11,8 +11,8 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/geodesic.h"
-#include "lapedit/mesh/patch_border.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_tree.h"
 #include "lapedit/mesh/visibility.h"

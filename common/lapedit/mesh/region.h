@@ -134,4 +134,12 @@ std::vector<double> largest_weights(const Region& region);
 /// Returns the region's anchors, to be kept for the next edit in it.
 KeptAnchors anchors_of(const Region& region);
 
+/// Returns a painted region before its distances are known, with its rim as anchors. O(region), and one
+/// number per mesh vertex.
+Region painted_region(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
+                      const std::vector<std::vector<int>>& groups);
+
+/// Returns the number of vertices in components without anchors and with one handle group, which would move rigidly.
+int held_by_nothing(const Region& region);
+
 }  // namespace lapedit

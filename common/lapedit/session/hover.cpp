@@ -7,8 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "lapedit/mesh/distance_contour.h"
-#include "lapedit/mesh/protrusion.h"
+#include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "lapedit/live/background_task.h"
-#include "lapedit/mesh/ray_cast.h"
 #include "lapedit/mesh/symmetry.h"
 #include "lapedit/mesh/vertex_tree.h"
 #include "lapedit/mesh/visibility.h"

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "lapedit/mesh/painted_region.h"
+#include "lapedit/mesh/region.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/picking.h"

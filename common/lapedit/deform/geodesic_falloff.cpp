@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/geodesic_falloff.h"
+#include "lapedit/deform/geodesic_falloff.h"
 
 #include <algorithm>
 #include <string>

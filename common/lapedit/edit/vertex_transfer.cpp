@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/vertex_transfer.h"
+#include "lapedit/edit/vertex_transfer.h"
 
 #include <limits>
 #include <string>
