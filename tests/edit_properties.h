@@ -180,7 +180,7 @@ TEST_P(EditProperties, OutsideTheRegionNothingIsTouched) {
   EXPECT_EQ(result.vertices, region_of(edit).mesh_vertex);
   EXPECT_TRUE(result.positions.allFinite());
   EXPECT_TRUE(result.positions == result.positions.cast<float>().cast<double>()) << "fits a float mesh";
-  // The handle's displacement is met to 0.5 %, and the rim, softly held, moves by less than 0.2 % of it.
+  // The handle's displacement is met to 0.5 %, and the boundary, softly held, moves by less than 0.2 % of it.
   const EditReport& report = result.reports.front();
   EXPECT_GT(report.handle_displacement, 0);
   EXPECT_LT(report.handle_residual, 0.005 * report.handle_displacement);

@@ -92,8 +92,8 @@ double farthest(const Points& a, const Points& b) {
 
 // --- what rotations come out ---
 
-/// Fails if rotations stay behind, overshoot, or do not fade out towards the rim.
-TEST(CellPose, BentLimbTurnsFromNothingAtTheRimToTheGroupsTurnAtTheHandle) {
+/// Fails if rotations stay behind, overshoot, or do not fade out towards the boundary.
+TEST(CellPose, BentLimbTurnsFromNothingAtTheBoundaryToTheGroupsTurnAtTheHandle) {
   const auto t = limb();
   for (const double degrees : {20.0, 90.0, 179.0}) {
     const Affine map = bent(degrees);
@@ -343,7 +343,7 @@ TEST(CellPose, SingularAndMirroringMapsGiveFiniteRotations) {
   }
 }
 
-TEST(CellModel, RotationsFollowTheirCellsAndAreHeldBackAtTheRim) {
+TEST(CellModel, RotationsFollowTheirCellsAndAreHeldBackAtTheBoundary) {
   const auto t = limb();
   t->solve({bent(90)});
   const std::vector<Matrix3> rotations = t->spread();

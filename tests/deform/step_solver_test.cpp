@@ -281,7 +281,7 @@ TEST(Components, OneWithoutHandleStays) {
 }
 
 TEST(Components, OneWithoutAnchorFollowsItsHandle) {
-  // Most of one sphere, which is held along its rim, and all of another one.
+  // Most of one sphere, which is held along its boundary, and all of another one.
   const TriangleMesh mesh = shapes::two_pieces(2);
   const RegionSpec spec = given(vertices_where(mesh, [](const Vector3& p) { return p[0] > 1.5 || p[2] > -0.3; }));
   const int held = support::vertex_at(mesh, Vector3(0, 0, 1));

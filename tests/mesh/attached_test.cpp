@@ -151,7 +151,7 @@ TEST_P(Sizes, TipBeyondTheRadiusBelongsToTheRegion) {
   given.tips = false;
   const Region alone = region_about(mesh, size() * Vector3::UnitZ(), given);
   EXPECT_FALSE(contains(alone.mesh_vertex, tip));
-  // Only the ear is added, and the rim of the head holds as before.
+  // Only the ear is added, and the boundary of the head holds as before.
   for (const int v : without(region.mesh_vertex, alone.mesh_vertex)) {
     EXPECT_GT(mesh.vertices.row(v).norm(), 1.05 * size());
   }

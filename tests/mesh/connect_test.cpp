@@ -174,7 +174,7 @@ TEST(Connect, LinksTheSidesOfAClosedWall) {
   TriangleMesh plate = shapes::bar(kCells, kCells, 1);
   plate.vertices.col(2) *= 0.2;
   const auto links = links_at(plate, 0.3);
-  EXPECT_EQ(links.size(), 2U * (kCells - 1) * (kCells - 1)) << "all but those at its rim";
+  EXPECT_EQ(links.size(), 2U * (kCells - 1) * (kCells - 1)) << "all but those at its boundary";
   for (const auto& [v, w] : links) {
     EXPECT_NEAR((plate.vertices.row(v) - plate.vertices.row(w)).norm(), 0.2, 1e-12);
   }
@@ -272,7 +272,7 @@ TEST(Connect, RegionOfARadiusHasTheLinksOfTheWholeMesh) {
 }
 
 /// What is linked but not in a given set does not hold it.
-TEST(Connect, LinksOutOfAGivenSetMakeNoRim) {
+TEST(Connect, LinksOutOfAGivenSetMakeNoBoundary) {
   const TriangleMesh mesh = ball_in_ball();
   const Adjacency adjacency = support::adjacency_of(mesh);
   RegionSpec spec;

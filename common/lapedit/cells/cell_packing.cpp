@@ -74,7 +74,7 @@ class Packing {
   std::vector<int> queue_;
   struct {
     Vector3 middle;        // of the region
-    std::vector<int> run;  // vertices at the same distance from the rims of handles
+    std::vector<int> run;  // vertices at the same distance from the boundaries of handles
     std::vector<std::int64_t> from_middle;
     std::vector<std::uint64_t> marks;  // hashes of the surroundings; computed when needed
   } ties_;
@@ -214,7 +214,7 @@ void Packing::measure_edges() {
   });
 }
 
-/// Sorts the vertices by their distance from the rims of handles.
+/// Sorts the vertices by their distance from the boundaries of handles.
 void Packing::sort() {
   constexpr int kBits = kKeyBits / 2;
   constexpr std::uint32_t kMask = (1U << kBits) - 1;
@@ -314,8 +314,8 @@ void Packing::mark() {
   }
 }
 
-/// Sorts vertices with equal distances from the rims of handles: by the distance from the middle of the region, and by
-/// their surroundings, which do not depend on the orientation of the mesh; then by coordinates.
+/// Sorts vertices with equal distances from the boundaries of handles: by the distance from the middle of the region,
+/// and by their surroundings, which do not depend on the orientation of the mesh; then by coordinates.
 void Packing::sort_tied() {
   const auto by_middle = [this](int a, int b) { return ties_.from_middle[a] < ties_.from_middle[b]; };
   std::stable_sort(ties_.run.begin(), ties_.run.end(), by_middle);

@@ -101,7 +101,7 @@ void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& ta
 /// @throws EditError (BadParameter) if a group of one vertex is to be rotated or scaled without a center
 void check_handles(const EditStep& step);
 
-/// Returns the step with the first vertices of the places that it names.
+/// Returns the step with the representatives of the vertices that it names.
 /// @throws EditError (BadParameter) if vertices at one place are in different groups or have different targets
 EditStep welded(EditStep step, const Weld& weld);
 

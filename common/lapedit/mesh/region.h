@@ -106,10 +106,10 @@ struct Region {
 /// Finds and classifies the region.
 ///
 /// Anchors are the vertices farther than (1 - padding) radius from the handle (Kind::Radius), or nearer than padding
-/// times the largest handle distance to the rim (Kind::Vertices), and always the rim: region vertices with a mesh
-/// neighbour outside. Kept anchors replace the band, with their own weights and largest distance. Held vertices are
-/// anchors as well. A handle vertex is never an anchor. The border of the mesh is not a rim. Components of the region
-/// without a handle vertex are excluded.
+/// times the largest handle distance to the boundary (Kind::Vertices), and always the boundary: region vertices with a
+/// mesh neighbour outside. Kept anchors replace the band, with their own weights and largest distance. Held vertices
+/// are anchors as well. A handle vertex is never an anchor. The border of the mesh is no such boundary. Components of
+/// the region without a handle vertex are excluded.
 /// @param groups  handle groups, mesh vertex numbers; a vertex may be in one group only
 /// @param threads  0: as many as the machine has; the region does not depend on it
 /// @param weights   of the groups' vertices, see Region::handle_weight, kLeastWeight to 1; empty lists, or none: 1
@@ -119,9 +119,9 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
                     const std::vector<std::vector<int>>& groups, int threads = 0,
                     const std::vector<std::vector<double>>& weights = {});
 
-/// Returns the weights for a disc that is soft towards its rim: from 1 in its middle smoothly and geometrically down to
-/// 0.3 / N at the rim, N the number of its vertices. A vertex with so small a weight is almost free, so a pull makes a
-/// dome. N is a factor because each vertex of a finer surface has less influence.
+/// Returns the weights for a disc that is soft towards its boundary: from 1 in its middle smoothly and geometrically
+/// down to 0.3 / N at the boundary, N the number of its vertices. A vertex with so small a weight is almost free, so a
+/// pull makes a dome. N is a factor because each vertex of a finer surface has less influence.
 /// @param distances  of the disc's vertices from its centre, model units, from 0 to the radius
 std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius);
 
@@ -134,7 +134,7 @@ std::vector<double> largest_weights(const Region& region);
 /// Returns the region's anchors, to be kept for the next edit in it.
 KeptAnchors anchors_of(const Region& region);
 
-/// Returns a painted region before its distances are known, with its rim as anchors. O(region), and one
+/// Returns a painted region before its distances are known, with its boundary as anchors. O(region), and one
 /// number per mesh vertex.
 Region painted_region(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
                       const std::vector<std::vector<int>>& groups);
