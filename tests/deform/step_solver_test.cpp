@@ -535,7 +535,7 @@ TEST(Conditioning, SlowRefinementIsRightToo) {
   Points expected = Points::Zero(region.size(), 3), product, left;
   for (int step = 0; step < 60; ++step) {
     system.powers.m->apply(expected, product, alone);
-    system.powers.m->apply_transposed(product, left, alone);
+    system.powers.m->apply_left_factor(product, left, alone);
     for (int i = 0; i < region.size(); ++i) {
       const Vector3 target = region.classes[i] == VertexClass::Handle ? way : Vector3::Zero();
       left.row(i) = system.squared_weights[i] * (target.transpose() - expected.row(i)) - left.row(i);

@@ -42,7 +42,7 @@ Graph with_further_edges(Graph graph, int count) {
 
 struct NamedGraph {
   const char* name;
-  IndexLists graph;
+  CompressedRows graph;
 };
 
 /// All of them large enough to be given an order: some 30,000 vertices.
@@ -64,7 +64,7 @@ const std::vector<NamedGraph>& large_graphs() {
 
 /// Fails if small graphs are given an order, which costs more than it gains.
 TEST(EliminationOrder, SmallGraphsNeedNone) {
-  EXPECT_TRUE(fill_reducing_ordering(IndexLists(), 1).empty());
+  EXPECT_TRUE(fill_reducing_ordering(CompressedRows(), 1).empty());
   EXPECT_TRUE(fill_reducing_ordering(support::lone_vertices(1).neighbours(), 1).empty());
   EXPECT_TRUE(fill_reducing_ordering(surface(Surface::Plane, 30, 40).neighbours(), 1).empty());
   EXPECT_TRUE(
@@ -86,7 +86,7 @@ TEST(EliminationOrder, IsAPermutation) {
 
 TEST(EliminationOrder, VertexWithThousandsOfNeighboursComesLastAndChangesNoOtherPlace) {
   constexpr int kSide = 150, kHub = kSide * kSide;
-  IndexLists grid, with_hub;
+  CompressedRows grid, with_hub;
   for (int v = 0; v <= kHub; ++v) {
     const bool is_spoke = v < 20 * kSide;
     for (const int w : {v - kSide, v - 1, v + 1, v + kSide}) {
@@ -117,7 +117,7 @@ TEST(EliminationOrder, DependsOnTheGraphAlone) {
   for (const auto& [name, graph] : large_graphs()) {
     const std::vector<int> order = fill_reducing_ordering(graph, 1);
     for (const int threads : {2, 3}) {
-      const IndexLists copy = graph;
+      const CompressedRows copy = graph;
       ASSERT_TRUE(fill_reducing_ordering(copy, threads) == order) << name << ", " << threads << " threads";
     }
   }
@@ -125,7 +125,7 @@ TEST(EliminationOrder, DependsOnTheGraphAlone) {
 
 /// Fails if a caller that wants to cancel waits for the whole order, or gets one that was not finished.
 TEST(EliminationOrder, CanBeCancelledBetweenPieces) {
-  const IndexLists graph = surface(Surface::Plane, 250, 200).neighbours();
+  const CompressedRows graph = surface(Surface::Plane, 250, 200).neighbours();
   const std::vector<int> order = fill_reducing_ordering(graph, 1);
   const std::thread::id caller = std::this_thread::get_id();
   for (const int threads : {1, 3}) {

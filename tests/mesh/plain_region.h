@@ -52,7 +52,7 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
   Points points(region.size(), 3);
   for (int i = 0; i < region.size(); ++i) {
     points.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
-    const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+    const CompressedRows::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
     std::copy_if(ring.begin(), ring.end(), std::back_inserter(region.neighbours.values),
                  [&](int w) { return local[w] >= 0; });
     if (std::any_of(ring.begin(), ring.end(), [&](int w) { return local[w] < 0; })) {
@@ -145,7 +145,7 @@ inline Adjacency plain_adjacency(const TriangleMesh& mesh) {
     }
   }
   const auto lists = [](const std::vector<std::set<int>>& rows) {
-    IndexLists result;
+    CompressedRows result;
     for (const std::set<int>& row : rows) {
       result.values.insert(result.values.end(), row.begin(), row.end());
       result.offsets.push_back(static_cast<int>(result.values.size()));

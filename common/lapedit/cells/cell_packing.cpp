@@ -201,7 +201,7 @@ void Packing::choose_spacing() {
 }
 
 void Packing::measure_edges() {
-  const IndexLists& neighbours = region_.neighbours;
+  const CompressedRows& neighbours = region_.neighbours;
   lengths_.resize(neighbours.values.size());
   const double steps = spacing_ > 0 ? 0.5 * kSpacing / spacing_ : 0;
   for_indices(pool_, region_.size(), kGrain, [&](int i) {
@@ -295,7 +295,7 @@ std::vector<std::uint64_t> Packing::names() const {
 /// position and numbering of the mesh, so vertices with equal marks are symmetric, or nearly so.
 void Packing::mark() {
   constexpr int kRings = 2;
-  const IndexLists& neighbours = region_.neighbours;
+  const CompressedRows& neighbours = region_.neighbours;
   const std::vector<std::uint64_t> name = names();
   std::vector<std::uint64_t> before(region_.size());
   ties_.marks.resize(region_.size());
@@ -335,7 +335,7 @@ void Packing::sort_tied() {
 /// Assigns to a cell all vertices that are nearer to its seed than to earlier seeds. A seed in a group does not claim
 /// vertices of another group, since a cell of two groups that move apart could not follow both.
 void Packing::claim(int seed, int cell, std::vector<int>& of) {
-  const IndexLists& neighbours = region_.neighbours;
+  const CompressedRows& neighbours = region_.neighbours;
   queue_.assign(1, seed);
   distance_[seed] = 0;
   of[seed] = cell;

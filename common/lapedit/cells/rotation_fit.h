@@ -48,7 +48,7 @@ class RotationFit {
   void diffuse(Points& rows);
 
   const RegionCells& cells_;
-  IndexLists members_;  // vertices of each cell
+  CompressedRows members_;  // vertices of each cell
   Eigen::VectorXd areas_;
   std::unique_ptr<SmallCholesky> diffusion_;
   Points rest_[3], moved_[3], scratch_;  // rows of a matrix per cell

@@ -31,8 +31,8 @@ bool same_graph(const Region& a, const Region& b) {
 }
 
 /// Returns the graph of an operator.
-IndexLists graph_of(const OperatorRows::Rows& rows) {
-  IndexLists graph;
+CompressedRows graph_of(const OperatorRows::Rows& rows) {
+  CompressedRows graph;
   graph.values.reserve(static_cast<std::size_t>(rows.nonZeros()));
   for (int i = 0; i < rows.rows(); ++i) {
     for (OperatorRows::Rows::InnerIterator entry(rows, i); entry; ++entry) {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "lapedit/base/index_lists.h"
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/base/types.h"
 
@@ -34,8 +34,8 @@ class OperatorRows {
 
   /// out = M x. x and out must be different objects; out keeps its storage if it has the right size. O(entries).
   void apply(const Points& x, Points& out, ThreadPool& pool) const;
-  /// out = M^T x, likewise.
-  void apply_transposed(const Points& x, Points& out, ThreadPool& pool) const;
+  /// out = (M^T + diag(stretch)) x, likewise: the left factor of the normal matrix.
+  void apply_left_factor(const Points& x, Points& out, ThreadPool& pool) const;
 
   /// Returns the lower half of M^T M + diag(stretch) M + diag(diagonal), compressed and sorted: symmetric, and positive
   /// semidefinite if the diagonals are not negative. O(sum of squared row lengths).
@@ -46,9 +46,8 @@ class OperatorRows {
   /// Returns the rows with more than kLongRow entries, ascending; none if there are more than kMostLongRows.
   std::vector<int> long_rows() const;
 
-  /// Returns M by columns, with diag(stretch) added: its columns are the rows of M^T + diag(stretch). Valid as long as
-  /// this object.
-  Eigen::Map<const SparseMatrix> matrix() const;
+  /// Returns M + diag(stretch), whose columns are the rows of the left factor. Valid as long as this object.
+  Eigen::Map<const SparseMatrix> stretched() const;
   const Rows& rows() const { return rows_; }
 
  private:
@@ -64,7 +63,7 @@ class OperatorRows {
 /// fill than its own coordinates, and an edited shape keeps its order and its factor. Hubs (kLongRow) come last.
 /// @param threads  at most this many (0: all of the machine's); the order does not depend on it
 /// Cost: as for nested_dissection().
-std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads);
+std::vector<int> fill_reducing_ordering(const CompressedRows& neighbours, int threads);
 
 class SparseCholesky;
 

@@ -29,8 +29,8 @@ struct Place {
 using VertexQuery = std::vector<std::vector<Place>>;
 
 /// Allocates rows in which the entries of the chunks follow each other, and computes where each chunk writes.
-IndexLists make_rows(VertexQuery& chunks, int rows) {
-  IndexLists lists;
+CompressedRows make_rows(VertexQuery& chunks, int rows) {
+  CompressedRows lists;
   lists.offsets.resize(rows + 1);
   int end = 0;
   for (int row = 0; row < rows; ++row) {
@@ -46,7 +46,7 @@ IndexLists make_rows(VertexQuery& chunks, int rows) {
 }
 
 /// Returns the faces around each vertex.
-IndexLists faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count, const Faces& faces) {
+CompressedRows faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count, const Faces& faces) {
   // A face that names a vertex twice is listed once.
   const auto each_corner = [&faces](int f, const auto& use) {
     const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
@@ -66,7 +66,7 @@ IndexLists faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count,
       each_corner(f, [&](int v) { ++chunks[chunk][v].count; });
     }
   });
-  IndexLists around = make_rows(chunks, vertex_count);
+  CompressedRows around = make_rows(chunks, vertex_count);
   in_chunks(pool, faces.rows(), [&](int chunk, int first, int last) {
     Checkpoints checkpoints;
     for (int f = first; f < last; ++f) {
@@ -79,7 +79,7 @@ IndexLists faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count,
 
 /// Returns the other ends of each vertex's edges. Vertices enter themselves in ascending order into the rows of their
 /// neighbours, so rows are sorted and duplicates are adjacent.
-IndexLists rings(ThreadPool& pool, VertexQuery& chunks, const IndexLists& around, const Faces& faces) {
+CompressedRows rings(ThreadPool& pool, VertexQuery& chunks, const CompressedRows& around, const Faces& faces) {
   const auto each_neighbour = [&](int v, const auto& use) {
     for (const int f : around[v]) {
       const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
@@ -100,7 +100,7 @@ IndexLists rings(ThreadPool& pool, VertexQuery& chunks, const IndexLists& around
       each_neighbour(v, [&](int w) { positions[w] = {positions[w].count + (positions[w].last != v), v}; });
     }
   });
-  IndexLists next = make_rows(chunks, around.rows());
+  CompressedRows next = make_rows(chunks, around.rows());
   in_chunks(pool, around.rows(), [&](int chunk, int first, int last) {
     std::vector<Place>& positions = chunks[chunk];
     Checkpoints checkpoints;
@@ -122,12 +122,12 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
   constexpr int kMostThreads = 4;  // each thread needs its own memory
   ThreadPool pool(vertex_count >= kWorthThreads ? std::min(thread_count(threads), kMostThreads) : 1);
   VertexQuery chunks(pool.threads());
-  IndexLists around = faces_around(pool, chunks, vertex_count, faces);
-  IndexLists next = rings(pool, chunks, around, faces);
+  CompressedRows around = faces_around(pool, chunks, vertex_count, faces);
+  CompressedRows next = rings(pool, chunks, around, faces);
   return {std::move(next), std::move(around)};
 }
 
-int connected_components(const IndexLists& neighbours, std::vector<int>& labels, const std::vector<char>& kinds) {
+int connected_components(const CompressedRows& neighbours, std::vector<int>& labels, const std::vector<char>& kinds) {
   // Builds trees of vertices, each with its lowest vertex as the root. Vertices are visited in ascending order, which
   // is their order in memory.
   const int n = neighbours.rows();

@@ -22,11 +22,11 @@ namespace lapedit {
 /// Cost: O(vertices log vertices), however long the gap is. At most some thousand pairs per vertex are looked at, each
 /// of which is a unit of work of checkpoint().
 constexpr int kMostLinks = 3;
-IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
-                             const std::vector<char>* allowed = nullptr);
+CompressedRows linked_neighbours(const TriangleMesh& mesh, const CompressedRows& neighbours, double gap,
+                                 const std::vector<char>* allowed = nullptr);
 
 /// Returns the neighbours with further edges, given in both directions, ascending.
-IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<int, int>>& edges);
+CompressedRows with_edges(const CompressedRows& neighbours, const std::vector<std::pair<int, int>>& edges);
 
 /// What belongs to a region although the radius or the surface does not lead to it: RegionSpec::tips and pieces.
 struct Attached {

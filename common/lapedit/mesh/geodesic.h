@@ -20,16 +20,16 @@ constexpr double kUnreached = std::numeric_limits<double>::infinity();
 struct PathGraph {
   /// Edges alone: the distance of Lipman et al. 2004, section 6. The arguments must outlive all users of the graph; row
   /// i of points is vertex i.
-  PathGraph(const IndexLists& edges, const Points& positions) : neighbours(edges), points(positions) {}
+  PathGraph(const CompressedRows& edges, const Points& positions) : neighbours(edges), points(positions) {}
   /// Edges and SurfaceLines: the distance on the surface, up to 8.5 % too long unless faces are thinner than 1:4, and
   /// never too short.
   PathGraph(const TriangleMesh& mesh, const Adjacency& adjacency)
       : PathGraph(adjacency.neighbours, mesh.vertices, mesh.faces, adjacency.faces) {}
   /// @param around  the faces around each vertex
-  PathGraph(const IndexLists& edges, const Points& positions, const Faces& faces, const IndexLists& around)
+  PathGraph(const CompressedRows& edges, const Points& positions, const Faces& faces, const CompressedRows& around)
       : neighbours(edges), points(positions), lines(SurfaceLines(positions, faces, around)) {}
 
-  const IndexLists& neighbours;
+  const CompressedRows& neighbours;
   const Points& points;
   std::optional<SurfaceLines> lines;
 };
@@ -67,7 +67,7 @@ class GeodesicSearch {
 class ShortestPaths {
  public:
   /// Both arguments must outlive the object; row i of points is vertex i of the graph.
-  ShortestPaths(const IndexLists& neighbours, const Points& points);
+  ShortestPaths(const CompressedRows& neighbours, const Points& points);
 
   /// Searches from a vertex. @param most  number of vertices, the nearest ones, that paths are found to
   void begin(int from, std::size_t most = std::numeric_limits<std::size_t>::max());
@@ -75,7 +75,7 @@ class ShortestPaths {
   std::vector<int> to(int vertex) const;
 
  private:
-  const IndexLists& neighbours_;
+  const CompressedRows& neighbours_;
   const Points& points_;
   GeodesicSearch search_;
   std::vector<int> order_;  // in which vertices were reached; undefined for other vertices

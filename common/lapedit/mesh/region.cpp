@@ -128,7 +128,7 @@ void require_finite(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   for (const int v : vertices) {
     look_at(v);
     if (!given_set) {
-      const IndexLists::Row ring = adjacency.neighbours[v];
+      const CompressedRows::Row ring = adjacency.neighbours[v];
       std::for_each(ring.begin(), ring.end(), look_at);
     }
   }
@@ -233,7 +233,7 @@ bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& 
       [&](int first, int last) {
         int count = 0;
         for (int i = first; i < last; ++i) {
-          const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+          const CompressedRows::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
           int inside = is_whole ? ring.size() : 0;
           for (int k = 0; !is_whole && k < ring.size(); ++k) {
             inside += local[ring.first[k]] >= 0;
@@ -482,7 +482,7 @@ void find_links(const Adjacency& adjacency, Region& region) {
   Checkpoints checkpoints;
   for (int i = 0; i < region.size(); ++i) {
     checkpoints();
-    const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+    const CompressedRows::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
     for (const int j : region.neighbours[i]) {
       if (i < j && !std::binary_search(ring.begin(), ring.end(), region.mesh_vertex[j])) {
         region.links.emplace_back(i, j);
@@ -599,7 +599,8 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     region.left_out = static_cast<int>(std::count(flags.begin(), flags.end(), 1)) - region.size();
   }
   std::vector<char> boundary;
-  const Adjacency linked{attached.links.empty() ? IndexLists() : with_edges(adjacency.neighbours, attached.links), {}};
+  const Adjacency linked{attached.links.empty() ? CompressedRows() : with_edges(adjacency.neighbours, attached.links),
+                         {}};
   if (!extract_graph(pool, mesh, attached.links.empty() ? adjacency : linked, local, boundary, region) && !given_set) {
     require_finite(mesh, adjacency, region.mesh_vertex, false);
   }

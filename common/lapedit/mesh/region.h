@@ -86,7 +86,7 @@ struct Region {
   std::vector<double> anchor_weight;  ///< d / d_max for anchors, 0 for others (paper, section 5)
   /// For anchors: 0 at the inner edge of their band to 1 at the region's end; may be empty.
   std::vector<double> anchor_depth;
-  IndexLists neighbours;        ///< every mesh edge with both ends in the region
+  CompressedRows neighbours;    ///< every mesh edge with both ends in the region
   Faces faces;                  ///< faces with all three corners in the region, local
   std::vector<int> edge_faces;  ///< mesh faces with two or three corners in the region: all that touch a region edge
   double max_distance = 0;      ///< d_max, over the whole region

@@ -133,7 +133,7 @@ bool Visibility::shows_side(const Camera& view, const Adjacency& adjacency, int 
   const TriangleMesh& mesh = impl_->mesh;
   const Vector3 position = mesh.vertices.row(vertex).transpose();
   const Ray through = view.ray(view.pixel(position));
-  const IndexLists::Row around = adjacency.faces[vertex];
+  const CompressedRows::Row around = adjacency.faces[vertex];
   // The comparisons make points behind the viewer and NaN invisible.
   return (position - through.origin).dot(through.direction) >= 0 &&
          std::any_of(around.begin(), around.end(),
