@@ -21,7 +21,7 @@ class VertexFinder {
     double distance;  ///< model units
   };
 
-  /// The mesh has to outlive the object. O(vertices + faces). @throws EditError (NotFinite) if no vertex counts
+  /// The mesh has to outlive the object. O(n log n). @throws EditError (NotFinite) if no vertex counts
   explicit VertexFinder(const TriangleMesh& mesh);
 
   /// Largest distance from a vertex, over the bounding box's diagonal, of a point that counts as on the surface.

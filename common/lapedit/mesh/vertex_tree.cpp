@@ -40,11 +40,20 @@ int VertexTree::build(int first, int last) {
   if (last - first > kLeaf) {
     Eigen::Index axis = 0;
     (node.high - node.low).maxCoeff(&axis);
-    const int middle = first + (last - first) / 2;
-    std::nth_element(vertices_.begin() + first, vertices_.begin() + middle, vertices_.begin() + last,
-                     [&](int a, int b) { return std::pair(points_(a, axis), a) < std::pair(points_(b, axis), b); });
-    build(first, middle);
-    nodes_[number].right = build(middle, last);
+    const auto begin = vertices_.begin() + first, end = vertices_.begin() + last;
+    auto middle = begin;
+    if (labels_ == nullptr) {  // halves of the box are found faster, and are nearly as good where they are balanced
+      const double half = node.low[axis] / 2 + node.high[axis] / 2;
+      middle = std::partition(begin, end, [&](int v) { return points_(v, axis) < half; });
+    }
+    if (3 * std::min(middle - begin, end - middle) < end - begin) {
+      middle = begin + (end - begin) / 2;
+      std::nth_element(begin, middle, end,
+                       [&](int a, int b) { return std::pair(points_(a, axis), a) < std::pair(points_(b, axis), b); });
+    }
+    const int split = static_cast<int>(middle - vertices_.begin());
+    build(first, split);
+    nodes_[number].right = build(split, last);
   }
   return static_cast<int>(number);
 }
