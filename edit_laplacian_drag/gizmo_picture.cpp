@@ -12,7 +12,7 @@ using namespace lapedit;
 
 namespace {
 
-constexpr double kHeadLength = 15, kHeadWidth = 6, kKnob = 5.5, kCross = 5;
+constexpr double kHeadLength = 15, kHeadWidth = 6, kScale = 5.5, kCross = 5;
 constexpr int kCorners = 72;
 
 struct Picture {
@@ -80,13 +80,13 @@ void ring(const Picture& p, int axis, bool front, bool bright) {
   }
 }
 
-void knob(const Picture& p, bool bright) {
-  const Vector2 at = p.view.pixel(p.gizmo.knob(p.view));
-  const double half = bright ? kKnob + 1.5 : kKnob;
+void scaleHandle(const Picture& p, bool bright) {
+  const Vector2 at = p.view.pixel(p.gizmo.scale_handle(p.view));
+  const double half = bright ? kScale + 1.5 : kScale;
   const Vector2 center = p.view.pixel(p.gizmo.center);
   glLineWidth(static_cast<GLfloat>(p.ratio));
   pen::set(pen::kLight, 0.5);
-  pen::line(Vector2(center + Gizmo::kRing / Gizmo::kKnob * (at - center)), at);
+  pen::line(Vector2(center + Gizmo::kRing / Gizmo::kScale * (at - center)), at);
   pen::rimmed(bright ? pen::kYellow : pen::kLight, 1, p.ratio, [&] {
     for (const GLenum mode : {GL_QUADS, GL_LINE_LOOP}) {
       glBegin(mode);
@@ -156,7 +156,7 @@ void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement element, boo
     }
   }
   if (alone ? element == GizmoElement::Scale : !gizmo.only_arrows) {
-    knob(p, element == GizmoElement::Scale);
+    scaleHandle(p, element == GizmoElement::Scale);
   }
   cross(p);
 }

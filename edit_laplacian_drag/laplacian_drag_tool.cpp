@@ -68,7 +68,7 @@ void LaplacianDragTool::say(const std::string& line) {
 // --- On and off -----------------------------------------------------------------------------------------------------
 
 bool LaplacianDragTool::start() {
-  shared_ = &WindowSessions::of(*window_.canvas().window());
+  shared_ = &WindowSessions::of(*window_.viewport().window());
   active_ = nullptr;
   layer_ = -1;
   nothing_.clear();
@@ -87,8 +87,8 @@ bool LaplacianDragTool::start() {
     if (!on_) {
       say(nothing_.toStdString());
       // The tool does not start, and so cannot draw its line over the picture.
-      QWidget& canvas = window_.canvas();
-      QToolTip::showText(canvas.mapToGlobal(canvas.rect().center()), nothing_, &canvas);
+      QWidget& viewport = window_.viewport();
+      QToolTip::showText(viewport.mapToGlobal(viewport.rect().center()), nothing_, &viewport);
     }
     return on_;
   }
@@ -123,7 +123,7 @@ bool LaplacianDragTool::start() {
   shared_->panel().setMesh(active_->session().original());
   readOthers();
   refreshPanel();
-  window_.canvas().setMouseTracking(true);
+  window_.viewport().setMouseTracking(true);
   takeKeys();
   // The menu or tool bar that started the tool takes the keyboard after this call.
   QTimer::singleShot(0, this, [this] { takeKeys(); });
@@ -146,7 +146,7 @@ bool LaplacianDragTool::isStale() {
 }
 
 void LaplacianDragTool::end() {
-  leaveCanvas();
+  leaveViewport();
   if (shared_ && shared_->isUsedBy(*this)) {
     shared_->hidePanel();
     leaveLayer(true);
@@ -155,7 +155,7 @@ void LaplacianDragTool::end() {
 }
 
 void LaplacianDragTool::handOver(bool sameSession) {
-  leaveCanvas();
+  leaveViewport();
   leaveLayer(!sameSession);
   window_.endTool();
 }
@@ -179,11 +179,11 @@ void LaplacianDragTool::layersChanged() {
 }
 
 /// Gives the view back to MeshLab.
-void LaplacianDragTool::leaveCanvas() {
-  QWidget& canvas = window_.canvas();
-  canvas.removeEventFilter(this);
-  canvas.setMouseTracking(false);
-  canvas.unsetCursor();
+void LaplacianDragTool::leaveViewport() {
+  QWidget& viewport = window_.viewport();
+  viewport.removeEventFilter(this);
+  viewport.setMouseTracking(false);
+  viewport.unsetCursor();
   on_ = false;
 }
 
@@ -284,7 +284,7 @@ CMeshO* LaplacianDragTool::meshOf(int layer) {
 
 void LaplacianDragTool::openPanel() {
   Panel& panel = shared_->panel();
-  panel.setCanvas(&window_.canvas());
+  panel.setViewport(&window_.viewport());
   disconnect(&panel, nullptr, this, nullptr);
   connect(&panel, &Panel::edited, this, [this](const Panel::Change& change) {
     guarded([&] {
@@ -298,8 +298,8 @@ void LaplacianDragTool::openPanel() {
   connect(&panel, &Panel::command, this, [this](const QString& part) { guarded([&] { command(part); }); });
   connect(&panel, &Panel::closed, this, [this] { window_.endTool(); });
   shared_->showPanel();
-  window_.canvas().removeEventFilter(this);
-  window_.canvas().installEventFilter(this);
+  window_.viewport().removeEventFilter(this);
+  window_.viewport().installEventFilter(this);
 }
 
 /// Returns the session's layer if it exists, is current and is visible.

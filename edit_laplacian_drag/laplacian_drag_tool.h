@@ -40,7 +40,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
 
   void handOver(bool sameSession) override;
   void sessionGone() override;
-  QWidget& canvas() override { return window_.canvas(); }
+  QWidget& viewport() override { return window_.viewport(); }
   CMeshO* meshOf(int layer) override;
   void log(const std::string& line) override { window_.log(line); }
   void poll() override;
@@ -61,7 +61,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   LayerSession::Update write(LayerSession& session, int layer);
   void conclude(LayerSession& session, bool meshChanged);
   void finishAllLeft();
-  void leaveCanvas();
+  void leaveViewport();
   lapedit::Cursor cursor() const;
   lapedit::PressModifiers pressModifiers() const;
   void hover();
@@ -117,7 +117,7 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
     Qt::MouseButton navigating = Qt::NoButton;  // held for MeshLab's navigation
     bool pressed = false, moved = false;
     bool asks = false;     // a press missed the layer: draw() looks for another one there
-    bool inside = false;   // over the canvas, no button held
+    bool inside = false;   // over the viewport, no button held
     QElapsedTimer zoomed;  // since the wheel zoomed beside the mesh
   } mouse_;
 

@@ -37,8 +37,8 @@ class Panel : public QDockWidget {
 
   explicit Panel(QWidget* parent);
 
-  /// @param canvas  gets the keyboard focus after a value was entered
-  void setCanvas(QWidget* canvas) { canvas_ = canvas; }
+  /// @param viewport  gets the keyboard focus after a value was entered
+  void setViewport(QWidget* viewport) { viewport_ = viewport; }
   /// @param mesh  its size defines steps, digits and ranges of lengths, its box the mirror planes
   void setMesh(const lapedit::TriangleMesh& mesh);
   /// Shows the state of a session; null: disables all widgets.
@@ -121,7 +121,7 @@ class Panel : public QDockWidget {
   void showHistory(const lapedit::Timeline& timeline);
   void showFigures(const lapedit::DragSession& session, const FrameTimes& median);
 
-  QPointer<QWidget> canvas_;
+  QPointer<QWidget> viewport_;
   QVBoxLayout* column_;
   QFormLayout* form_ = nullptr;  ///< of the current group
   lapedit::DragSettings settings_;

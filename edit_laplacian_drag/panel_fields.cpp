@@ -67,14 +67,14 @@ void Panel::prepare(QWidget& box, const char* part, const QString& help) {
 }
 
 void Panel::giveKeysBack() {
-  if (canvas_ && isAncestorOf(QApplication::focusWidget())) {
-    canvas_->setFocus();
+  if (viewport_ && isAncestorOf(QApplication::focusWidget())) {
+    viewport_->setFocus();
   }
 }
 
 void Panel::change(const Change& change) {
-  if (canvas_) {
-    canvas_->setFocus();  // before the change, since show() does not update a field that has the focus
+  if (viewport_) {
+    viewport_->setFocus();  // before the change, since show() does not update a field that has the focus
   }
   emit edited(change);
 }

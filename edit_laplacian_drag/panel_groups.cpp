@@ -72,7 +72,7 @@ void Panel::addBasic() {
   addMirror();
   row(tr("Gizmo"), state(
                        "gizmo", {tr("Hidden"), tr("Axes of the layer"), tr("Axes of the view"), tr("Along the normal")},
-                       tr("Arrows move along an axis, rings turn about it, the knob scales (V)"),
+                       tr("Arrows move along an axis, rings turn about it, the scale handle scales (V)"),
                        [](const DragSession& session) {
                          return session.tools().gizmo ? 1 + static_cast<int>(session.tools().axes) : 0;
                        },
@@ -191,7 +191,7 @@ void Panel::addRegion() {
            button("component", tr("Component"), tr("The region is the whole connected piece of the handle"))});
   row(tr("Falloff"), state(
                          "falloff", {tr("Even"), tr("Sharp"), tr("Smooth"), tr("Dome")},
-                         tr("How the handle's disc fades out from its middle to its rim"),
+                         tr("How the handle's disc fades out from its middle to its boundary"),
                          [](const DragSession& session) { return static_cast<int>(session.settings().falloff); },
                          [](DragSession& session, int index) {
                            DragSettings settings = session.settings();

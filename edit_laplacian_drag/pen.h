@@ -4,7 +4,7 @@
 #include <QtGui/qopengl.h>
 #include <array>
 
-#include "lapedit/mesh/patch_border.h"
+#include "lapedit/mesh/adjacency.h"
 #include "lapedit/session/gizmo.h"
 
 /// Draws over the surface: colours, and lines with a dark rim, which are visible on any mesh.

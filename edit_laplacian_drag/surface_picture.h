@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "lapedit/mesh/patch_border.h"
-#include "lapedit/mesh/vertex_stretch.h"
+#include "lapedit/mesh/adjacency.h"
+#include "lapedit/mesh/surface_measures.h"
 #include "lapedit/session/drag_session.h"
 #include "pen.h"
 

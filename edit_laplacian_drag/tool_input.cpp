@@ -64,9 +64,9 @@ bool isOfWindow(std::optional<DragKey> key) {
 
 /// Gives the keyboard to the view, over which the mouse is.
 void LaplacianDragTool::takeKeys() {
-  if (on_ && !window_.canvas().hasFocus() && QApplication::activePopupWidget() == nullptr &&
+  if (on_ && !window_.viewport().hasFocus() && QApplication::activePopupWidget() == nullptr &&
       QApplication::activeModalWidget() == nullptr) {
-    window_.canvas().setFocus(Qt::MouseFocusReason);
+    window_.viewport().setFocus(Qt::MouseFocusReason);
   }
 }
 
@@ -195,12 +195,12 @@ Qt::CursorShape LaplacianDragTool::shape() const {
 }
 
 void LaplacianDragTool::showShape() {
-  QWidget& canvas = window_.canvas();
+  QWidget& viewport = window_.viewport();
   if (!active_ || window_.suspended() || mouse_.navigating != Qt::NoButton) {
     return;
   }
-  if (canvas.cursor().shape() != shape()) {
-    canvas.setCursor(shape());
+  if (viewport.cursor().shape() != shape()) {
+    viewport.setCursor(shape());
   }
 }
 

@@ -24,7 +24,7 @@ namespace {
 constexpr int kLongestWait = 200;  // milliseconds without a picture
 constexpr int kDashWait = 100;     // milliseconds between pictures that only show progress, at least
 constexpr int kDashShare = 5;      // and at least as many times the duration of a picture
-constexpr const char* kLineProperty = "laplacian_drag_line";  // of the canvas, for tests
+constexpr const char* kLineProperty = "laplacian_drag_line";  // of the viewport, for tests
 
 Eigen::Matrix4d matrixOf(GLenum which) {
   Eigen::Matrix4d matrix;  // column-major, as OpenGL's matrices
@@ -64,7 +64,7 @@ void LaplacianDragTool::draw() {
         this, [this] { guarded([this] { isStale() && start(); }); }, Qt::QueuedConnection);
   }
   const auto layer = usableLayer();
-  const QWidget& canvas = window_.canvas();
+  const QWidget& viewport = window_.viewport();
   worldToClip_ = matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX);
   if (std::exchange(mouse_.asks, false)) {
     offerLayer();
@@ -73,12 +73,12 @@ void LaplacianDragTool::draw() {
     glMatrixMode(GL_MODELVIEW);
     glPushMatrix();
     glMultMatrixd(layer->transform.data());
-    view_ = Camera(worldToClip_ * layer->transform, canvas.width(), canvas.height());
+    view_ = Camera(worldToClip_ * layer->transform, viewport.width(), viewport.height());
     DragSession& session = active_->session();
     Overlay::Options options;
-    options.width = canvas.width();
-    options.height = canvas.height();
-    options.pixelRatio = canvas.devicePixelRatioF();
+    options.width = viewport.width();
+    options.height = viewport.height();
+    options.pixelRatio = viewport.devicePixelRatioF();
     if (session.hover() && !session.motion() && isCovered()) {
       session.leave();
     }
@@ -148,19 +148,19 @@ QVector<QPointF> LaplacianDragTool::notToCover() const {
 }
 
 void LaplacianDragTool::drawLine(const LinePicture::Line& line) {
-  QWidget& canvas = window_.canvas();
+  QWidget& viewport = window_.viewport();
   QStringList texts{line.text, line.warning, line.position};
   texts.removeAll(QString());
-  canvas.setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
+  viewport.setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
   if (texts.isEmpty()) {
     return;
   }
   const pen::FlatState state;
-  const pen::InPixels pixels(canvas.width(), canvas.height());
+  const pen::InPixels pixels(viewport.width(), viewport.height());
   if (shown_.keys) {
-    linePicture_.drawKeys(canvas.size(), canvas.devicePixelRatioF());
+    linePicture_.drawKeys(viewport.size(), viewport.devicePixelRatioF());
   } else {
-    linePicture_.draw(line, canvas.size(), canvas.devicePixelRatioF(), notToCover());
+    linePicture_.draw(line, viewport.size(), viewport.devicePixelRatioF(), notToCover());
   }
 }
 
@@ -242,14 +242,14 @@ void LaplacianDragTool::showWarning() {
 /// Offers to switch to another layer whose surface was pressed. Finds the position by the depth of the picture, without
 /// a search in the layers' faces.
 void LaplacianDragTool::offerLayer() {
-  const QWidget& canvas = window_.canvas();
+  const QWidget& viewport = window_.viewport();
   const QPointF at = mouse_.pressedAt;
   const double depth = window_.depthAt(at, 0);
   if (depth >= 1) {
     return;  // the background
   }
-  const Vector3 world = (worldToClip_.inverse() * Eigen::Vector4d(2 * at.x() / canvas.width() - 1,
-                                                                  1 - 2 * at.y() / canvas.height(), 2 * depth - 1, 1))
+  const Vector3 world = (worldToClip_.inverse() * Eigen::Vector4d(2 * at.x() / viewport.width() - 1,
+                                                                  1 - 2 * at.y() / viewport.height(), 2 * depth - 1, 1))
                             .hnormalized();
   double nearest = std::numeric_limits<double>::infinity();
   for (const Layer& layer : window_.layers()) {

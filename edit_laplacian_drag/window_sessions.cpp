@@ -67,7 +67,7 @@ void WindowSessions::hidePanel() {
 /// Shows the panel only with the project of its user.
 void WindowSessions::followProject() {
   const QMdiSubWindow* const project = projects_->currentSubWindow();
-  if (user_ && project != nullptr && project->isAncestorOf(&user_->canvas())) {
+  if (user_ && project != nullptr && project->isAncestorOf(&user_->viewport())) {
     showPanel();
   } else {
     hidePanel();

@@ -24,7 +24,7 @@ class SessionUser {
   virtual void handOver(bool sameSession) = 0;
   /// Called before the sessions are deleted: the user must not use them any more.
   virtual void sessionGone() = 0;
-  virtual QWidget& canvas() = 0;
+  virtual QWidget& viewport() = 0;
   virtual CMeshO* meshOf(int layer) = 0;  ///< null if it was deleted
   virtual void log(const std::string& line) = 0;
   virtual void poll() = 0;  ///< called when the session has results

@@ -66,8 +66,8 @@ std::vector<Parameter> parameters() {
       {Kind::Length, "radius", 20.0, "Radius",
        "Size of the region: distance from the handle along the surface. Used with the geodesic radius only."},
       {Kind::Real, "padding", region.padding, "Padding",
-       "Width of the band inside the region's rim that is held in place and blends the edit into the rest, over the "
-       "region's size: from 0 (only the rim itself) to 1."},
+       "Width of the band inside the region's boundary that is held in place and blends the edit into the rest, over "
+       "the region's size: from 0 (only the boundary itself) to 1."},
       {Kind::Point, "translation", origin, "Translation", "How far the handle moves, in the layer's own coordinates."},
       {Kind::Point, "rotation_axis", transform.axis, "Rotation axis",
        "Direction of the axis, through the handle's centroid, about which the handle turns."},

@@ -5,7 +5,7 @@
 
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/adjacency.h"
-#include "lapedit/mesh/face_shape.h"
+#include "lapedit/mesh/surface_measures.h"
 #include "lapedit_host/mesh_bridge.h"
 
 namespace lapedit::host {
@@ -68,7 +68,7 @@ class PoseWriter {
     std::vector<int> vertices;           // that set
     std::vector<int> touched;            // that set and the corners of its faces, ascending
     std::vector<int> around;             // all faces at touched vertices, ascending
-    IndexLists faces;                    // entry of touched -> entries of around, ascending
+    CompressedRows faces;                // entry of touched -> entries of around, ascending
     std::vector<AreaNormal> areas;       // per entry of around, of a passing pose
     std::vector<MeasuredFace> measured;  // likewise, of a settled one
     bool is_settled = true;

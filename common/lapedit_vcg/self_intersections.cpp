@@ -169,7 +169,7 @@ TriangleMesh joined(const TriangleMesh& mesh, const Points& after) {
   const Weld weld(mesh.vertices);
   bool together = true;
   for (int v = 0; v < static_cast<int>(after.rows()) && !weld.empty(); ++v) {
-    together = together && (weld.first(v) == v || after.row(v) == after.row(weld.first(v)));
+    together = together && (weld.representative(v) == v || after.row(v) == after.row(weld.representative(v)));
   }
   TriangleMesh result = {mesh.vertices, together ? weld.faces(mesh.faces) : mesh.faces};
   keep_distinct(result.faces);

@@ -21,7 +21,7 @@
 #include "lapedit/json/landmarks.h"
 #include "lapedit/json/report_json.h"
 #include "lapedit/mesh/coordinate_space.h"
-#include "lapedit/mesh/mesh_summary.h"
+#include "lapedit/mesh/triangle_mesh.h"
 #include "lapedit/mesh/vertex_finder.h"
 #include "options.h"
 #ifdef LAPEDIT_WITH_VCGLIB

@@ -8,6 +8,7 @@
 
 #include "allocation_watch.h"
 #include "lapedit/cells/cell_packing.h"
+#include "lapedit/cells/small_cholesky.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -91,8 +92,8 @@ double farthest(const Points& a, const Points& b) {
 
 // --- what rotations come out ---
 
-/// Fails if rotations stay behind, overshoot, or do not fade out towards the rim.
-TEST(CellPose, BentLimbTurnsFromNothingAtTheRimToTheGroupsTurnAtTheHandle) {
+/// Fails if rotations stay behind, overshoot, or do not fade out towards the boundary.
+TEST(CellPose, BentLimbTurnsFromNothingAtTheBoundaryToTheGroupsTurnAtTheHandle) {
   const auto t = limb();
   for (const double degrees : {20.0, 90.0, 179.0}) {
     const Affine map = bent(degrees);
@@ -342,7 +343,7 @@ TEST(CellPose, SingularAndMirroringMapsGiveFiniteRotations) {
   }
 }
 
-TEST(CellModel, RotationsFollowTheirCellsAndAreHeldBackAtTheRim) {
+TEST(CellModel, RotationsFollowTheirCellsAndAreHeldBackAtTheBoundary) {
   const auto t = limb();
   t->solve({bent(90)});
   const std::vector<Matrix3> rotations = t->spread();
@@ -382,6 +383,24 @@ TEST(CellModel, VerticesFollowTheirCells) {
       EXPECT_LT(t->displacement.row(i).norm(), 1e-9) << i;
     }
   }
+}
+
+/// In place, with another order of elimination, from the lower half alone.
+TEST(SmallCholesky, AgreesWithADenseSolve) {
+  constexpr int kSize = 40;
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(kSize, kSize);
+  for (int i = 0; i < kSize; ++i) {
+    dense(i, i) = 4;
+    dense(i, i * 7 % kSize) += i * 7 % kSize == i ? 0 : -1;
+  }
+  dense = (dense * dense.transpose()).eval();
+  const Points right =
+      Points::NullaryExpr(kSize, 3, [](Eigen::Index i, Eigen::Index k) { return std::sin(i + 3.0 * k); });
+  Points x = right;
+  SmallCholesky(SparseMatrix(Eigen::MatrixXd(dense.triangularView<Eigen::Lower>()).sparseView())).solve(x, x);
+  EXPECT_LT((dense * x - right).norm(), 1e-11);
+  dense(30, 30) = -1;
+  support::expect_refusal(ErrorCause::IllConditioned, [&] { SmallCholesky(SparseMatrix(dense.sparseView())); });
 }
 
 }  // namespace

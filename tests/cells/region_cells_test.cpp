@@ -183,7 +183,7 @@ TEST(RegionCells, BlendReproducesLinearFunctionsAlongTheSurface) {
   EXPECT_LT(std::sqrt(sum / region.size()), 0.15 * spacing);
 }
 
-/// Near the rim some vertices are on one side of all cells in reach; they must not be extrapolated far from them.
+/// Near the boundary some vertices are on one side of all cells in reach; they must not be extrapolated far from them.
 TEST(RegionCells, BlendDoesNotExtrapolateFar) {
   const TriangleMesh mesh = shaken(shaken(shaken(shapes::grid(120, 120))));
   const int centre = support::vertex_at(mesh, {60, 60, 0});

@@ -132,7 +132,7 @@ TEST_P(OperatorOn, MeanValueIsSymmetricAndPositive) {
   }
 }
 
-/// Fails if a weight is not that of its definition by angles, or faces across the rim of a region do not count.
+/// Fails if a weight is not that of its definition by angles, or faces across the boundary of a region do not count.
 TEST(DifferentialOperator, IsThatOfTheDenseReference) {
   const TriangleMesh letters = shapes::letter_field(14, 9), sphere = shapes::icosphere(2),
                      arm = shapes::tapered_arm(10, 20), grid = shapes::grid(3, 3);

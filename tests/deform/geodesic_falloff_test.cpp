@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/geodesic_falloff.h"
+#include "lapedit/deform/geodesic_falloff.h"
 
 #include <gtest/gtest.h>
 
@@ -56,13 +56,13 @@ TEST(GeodesicFalloff, IsInverseDistancesToThePowerOfThreeHalves) {
   }
   const std::vector<double> first = support::plain_distances(surface, scene.local(scene.handles[0])),
                             second = support::plain_distances(surface, scene.local(scene.handles[1])),
-                            rim = support::plain_distances(surface, anchors);
+                            boundary = support::plain_distances(surface, anchors);
   const GeodesicFalloff falloff = geodesic_falloff(region, surface.vertices);
   ASSERT_EQ(falloff.weights.cols(), 2);
   EXPECT_EQ(falloff.lone, (std::vector<int>{scene.local({3030})[0], -1}));
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Free) {
-      const double a = std::pow(first[i], -1.5), b = std::pow(second[i], -1.5), c = std::pow(rim[i], -1.5);
+      const double a = std::pow(first[i], -1.5), b = std::pow(second[i], -1.5), c = std::pow(boundary[i], -1.5);
       EXPECT_NEAR(falloff.weights(i, 0), a / (a + b + c), 1e-12);
       EXPECT_NEAR(falloff.weights(i, 1), b / (a + b + c), 1e-12);
     } else {

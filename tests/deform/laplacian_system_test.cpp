@@ -20,11 +20,11 @@ struct Scene {
   Region first, second;
 
   Scene() {
-    first = support::whole_region(mesh, {{1200}}, rim());
-    second = support::whole_region(mesh, {{1321}}, rim());
+    first = support::whole_region(mesh, {{1200}}, boundary());
+    second = support::whole_region(mesh, {{1321}}, boundary());
     second.max_distance = first.max_distance;  // as where anchors are kept
   }
-  std::vector<int> rim() const {
+  std::vector<int> boundary() const {
     std::vector<int> vertices;
     for (int v = 0; v < 2400; ++v) {
       if (v < 80 || v >= 2320) {
@@ -98,9 +98,9 @@ TEST(LaplacianSystem, FanTakesMemoryOfItsSizeOrIsRefused) {
   for (int k = 0; k < kAround; ++k) {
     mesh.faces.row(faces + k) << hub, (k + 1) % kAround, k;
   }
-  std::vector<int> rim(kAround);
-  std::iota(rim.begin(), rim.end(), 2 * kAround);
-  const Region region = support::whole_region(mesh, {{7}}, rim);
+  std::vector<int> boundary(kAround);
+  std::iota(boundary.begin(), boundary.end(), 2 * kAround);
+  const Region region = support::whole_region(mesh, {{7}}, boundary);
   for (const EditMethod method : {EditMethod::Default, EditMethod::Linear}) {
     const System system = prepared(mesh, region, EditSettings::of(method));
     EXPECT_EQ(system->matrix->long_rows.size(), 1U);

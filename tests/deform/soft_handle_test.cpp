@@ -64,7 +64,7 @@ double largest_edge(const Disc& disc, const Points& positions, double from, doub
   return largest;
 }
 
-TEST(SoftHandle, FallOffGoesSmoothlyFromOneToTheRim) {
+TEST(SoftHandle, FallOffGoesSmoothlyFromOneToTheBoundary) {
   const std::vector<double> distances{0, 0.25, 0.5, 0.75, 0.9, 1};
   const std::vector<double> weights = falloff_weights(distances, 1);
   EXPECT_EQ(weights[0], 1);
@@ -92,21 +92,21 @@ TEST(SoftHandle, PulledDiscMakesADome) {
   EXPECT_LT(edges[1], 0.55 * edges[0]);
 }
 
-/// How far the rim stays behind does not depend on the mesh's resolution.
+/// How far the boundary stays behind does not depend on the mesh's resolution.
 TEST(SoftHandle, DomeIsTheSameOnCoarseAndFineMeshes) {
   for (const int columns : {60, 120, 254}) {
     const Disc disc = plane(0.25, columns);
     support::Prepared solver(disc.mesh, disc.soft(0.8), EditSettings());
     const Points& result = solver.pose({support::shift({0, 0, 0.3})});
-    double rim = 0;
+    double boundary = 0;
     int count = 0;
     for (int i = 0; i < solver.region().size(); ++i) {
       if (std::abs(disc.from_centre[solver.region().mesh_vertex[i]] - disc.radius) < 0.15 * disc.radius) {
-        rim += result(i, 2);
+        boundary += result(i, 2);
         ++count;
       }
     }
-    EXPECT_NEAR(1 - rim / count / 0.3, 0.1, 0.05) << columns;
+    EXPECT_NEAR(1 - boundary / count / 0.3, 0.1, 0.05) << columns;
   }
 }
 
@@ -156,7 +156,7 @@ TEST(SoftHandle, FramesFollowTheirWeights) {
   }
 }
 
-TEST(SoftHandle, CellsFollowTheSoftRim) {
+TEST(SoftHandle, CellsFollowTheSoftBoundary) {
   const Disc disc = plane(0.25, 254);
   const auto region = std::make_shared<const Region>(disc.soft(0.9));
   const std::vector<HandleMotion> maps{support::shift({0, 0, 0.4})};

@@ -154,7 +154,7 @@ TEST(AdviceOnVolume, CollapsedTubeHasAdviceUnlessItWasToShrink) {
     step.handles = {{vertices_where(tube, [](const Vector3& p) { return p[0] < 0.01; }), {}},
                     {vertices_where(tube, [](const Vector3& p) { return p[0] > 3.99; }), {}}};
     step.handles[1].transform.axis = Vector3(1, 0, 0);
-    step.handles[1].transform.degrees = 360;  // rims alone are no grip
+    step.handles[1].transform.degrees = 360;  // boundaries alone are no grip
     const EditReport twisted = report_of(tube, step);
     EXPECT_LT(twisted.volume_change, -0.5 * twisted.volume);
     support::expect_contains(twisted.advice(), "The surface of vertex ");

@@ -62,9 +62,9 @@ EditCase tube_case() {
   return {"tube", mesh, within(3), {{support::vertex_at(mesh, Vector3(4, 0, 1))}}, {shift(Vector3(0.3, 0.2, 1))}, true};
 }
 
-EditCase rims_case() {
+EditCase boundaries_case() {
   const TriangleMesh mesh = support::open_tube(24, 51, 8);
-  return {"rims",
+  return {"boundaries",
           mesh,
           component(),
           {vertices_where(mesh, [](const Vector3& p) { return p[0] < 0.4; }),
@@ -102,7 +102,7 @@ class OnRegularMeshes : public EditProperties {
 
   static double bound(const EditCase& edit, const EditSettings& settings) {
     const bool few_passes = settings.method == EditMethod::Default && settings.iterations == 0;
-    return edit.name == "rims" && few_passes ? kAroundATube : kOtherCells;
+    return edit.name == "boundaries" && few_passes ? kAroundATube : kOtherCells;
   }
 
   /// All vertices of the mesh after the edit.
@@ -169,7 +169,7 @@ TEST_P(OnRegularMeshes, EveryMethodIsTheSameAnywhere) {
 INSTANTIATE_TEST_SUITE_P(Generated, OnRegularMeshes,
                          ::testing::Values(NamedCase{"disc", disc_case}, NamedCase{"hill", hill_case},
                                            NamedCase{"two_groups", two_groups_case}, NamedCase{"strip", strip_case},
-                                           NamedCase{"tube", tube_case}, NamedCase{"rims", rims_case},
+                                           NamedCase{"tube", tube_case}, NamedCase{"boundaries", boundaries_case},
                                            NamedCase{"bar", bar_case}, NamedCase{"box", box_case},
                                            NamedCase{"ball", ball_case}),
                          [](const auto& edit) { return std::string(edit.param.name); });

@@ -118,20 +118,20 @@ TEST(CellFrame, IsNearTheFullPoseForEveryKindOfHandle) {
 }
 
 /// A handle is weighed against the surface, as in the solution.
-TEST(CellFrame, HandleAndRimAreAtTheirTargets) {
+TEST(CellFrame, HandleAndBoundaryAreAtTheirTargets) {
   for (const Scene& s : scenes()) {
     const Points pose = s.frame(), rest = s.rest();
-    int rim = 0;
+    int boundary = 0;
     for (int i = 0; i < s.region->size(); ++i) {
       if (s.region->classes[i] == VertexClass::Handle) {
         const Vector3 wanted = s.maps[s.region->group[i]].map * Vector3(rest.row(i));
         EXPECT_LT((pose.row(i).transpose() - wanted).norm(), 1e-3 * longest_displacement(s, pose)) << s.name;
       } else if (s.region->anchor_depth[i] == 1) {
         EXPECT_EQ(pose.row(i), rest.row(i)) << s.name;
-        ++rim;
+        ++boundary;
       }
     }
-    EXPECT_GT(rim, 0) << s.name;
+    EXPECT_GT(boundary, 0) << s.name;
   }
 }
 

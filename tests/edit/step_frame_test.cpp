@@ -172,21 +172,19 @@ Maps fraction_of(const Maps& maps, double t) {
 /// Fails if any term of a frame is wrong: without rotations it is the solution but for the factor's digits.
 TEST(StepFrame, UnrotatedAreTheSolutionToFourDigits) {
   for (const Scene& s : scenes()) {
-    for (const CholeskyBackend backend : {CholeskyBackend::Supernodal, CholeskyBackend::Eigen}) {
-      for (const LaplacianKind laplacian :
-           {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
-        for (const int order : {1, 2}) {
-          EditSettings settings = with(EditMethod::Linear, laplacian);
-          settings.order = order;
-          Dragged drag(s, settings, {0, backend});
-          for (const double t : {0.01, 1.0}) {
-            const Maps maps = fraction_of(s.maps, t);
-            const Points exact = drag.pose(maps);
-            const Points& frame = drag.first(maps);
-            EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 2e-4 * path_of(s, maps))
-                << s.name << ", " << name(laplacian) << ", order " << order << ", " << t;
-            EXPECT_FALSE(same_bits(frame, exact)) << "this says nothing";
-          }
+    for (const LaplacianKind laplacian :
+         {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
+      for (const int order : {1, 2}) {
+        EditSettings settings = with(EditMethod::Linear, laplacian);
+        settings.order = order;
+        Dragged drag(s, settings);
+        for (const double t : {0.01, 1.0}) {
+          const Maps maps = fraction_of(s.maps, t);
+          const Points exact = drag.pose(maps);
+          const Points& frame = drag.first(maps);
+          EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 2e-4 * path_of(s, maps))
+              << s.name << ", " << name(laplacian) << ", order " << order << ", " << t;
+          EXPECT_FALSE(same_bits(frame, exact)) << "this says nothing";
         }
       }
     }

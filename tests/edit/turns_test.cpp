@@ -136,7 +136,7 @@ TEST(Turns, FreeEndRotatesWithItsRoot) {
   }
 }
 
-/// A tube between two rims, one of them turned.
+/// A tube between two boundaries, one of them turned.
 struct Twist {
   Grip edit;
   double length;

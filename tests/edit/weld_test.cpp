@@ -50,7 +50,7 @@ TEST(Weld, NamesTheFirstOfEachPlace) {
   ASSERT_FALSE(weld.empty());
   const std::vector<int> first = {0, 1, 0, 1, 4, 5, 6, 1};
   for (int v = 0; v < 8; ++v) {
-    EXPECT_EQ(weld.first(v), first[static_cast<std::size_t>(v)]) << v;
+    EXPECT_EQ(weld.representative(v), first[static_cast<std::size_t>(v)]) << v;
   }
   std::vector<int> vertices = {1, 4}, rows;
   weld.add_others(vertices, rows);
@@ -83,7 +83,7 @@ TEST(Weld, ResultIsThatOfTheSoundMesh) {
       EXPECT_LT((moved - gather(expected, one.torn.of)).cwiseAbs().maxCoeff(), 1e-9 * radius) << one.what << given;
       const Weld weld(mesh.vertices);
       for (int v = 0; v < static_cast<int>(moved.rows()); ++v) {
-        ASSERT_EQ(moved.row(v), moved.row(weld.first(v))) << one.what;
+        ASSERT_EQ(moved.row(v), moved.row(weld.representative(v))) << one.what;
       }
       EXPECT_EQ(result.reports.front().welded,
                 static_cast<int>(result.vertices.size()) - support::apply_step(sound, same).vertices.size())
@@ -138,7 +138,7 @@ TEST(Weld, OtherVerticesOfAPlaceCanBeNamed) {
   const Torn torn = with_islands(shapes::grid(21, 21), 10);
   const Weld weld(torn.mesh.vertices);
   int other = 0;
-  while (weld.first(other) == other || torn.mesh.vertices(other, 1) != 10) {
+  while (weld.representative(other) == other || torn.mesh.vertices(other, 1) != 10) {
     ++other;
   }
   EditStep step = pull(torn.mesh, Vector3(10, 10, 0), 6);
@@ -147,7 +147,7 @@ TEST(Weld, OtherVerticesOfAPlaceCanBeNamed) {
   const EditResult same = support::apply_step(torn.mesh, step);
   EXPECT_EQ(first.vertices, same.vertices);
   EXPECT_TRUE(same_bits(first.positions, same.positions));
-  step.handles.front().vertices = {other, weld.first(other)};
+  step.handles.front().vertices = {other, weld.representative(other)};
   EXPECT_TRUE(same_bits(first.positions, support::apply_step(torn.mesh, step).positions));
 
   const auto refusal = [&](const EditStep& refused) {
@@ -161,12 +161,12 @@ TEST(Weld, OtherVerticesOfAPlaceCanBeNamed) {
   EditStep targets = step;
   targets.handles.front().transform = {};
   targets.handles.front().targets = {Vector3(10, 10, 1), Vector3(10, 10, 2)};
-  const std::string names = "Vertices " + std::to_string(other) + " and " + std::to_string(weld.first(other));
+  const std::string names = "Vertices " + std::to_string(other) + " and " + std::to_string(weld.representative(other));
   EXPECT_NE(refusal(targets).find(names), std::string::npos) << refusal(targets);
   EXPECT_NE(refusal(targets).find("different targets"), std::string::npos);
   EditStep groups = step;
   groups.handles.front().vertices = {other};
-  groups.handles.push_back({{weld.first(other)}, {}});
+  groups.handles.push_back({{weld.representative(other)}, {}});
   EXPECT_NE(refusal(groups).find(names), std::string::npos) << refusal(groups);
 }
 

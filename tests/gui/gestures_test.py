@@ -85,7 +85,7 @@ class Gestures(ToolTest):
             self.assertEqual(w.widget(part("gizmo"))["currentText"], "Axes of the layer")
             middle = self.on_screen(w, self.CENTRE)
             # Seen from above: an arrow to the right along X and one up along Y, a ring about Z of 0.8 of their length
-            # of 90 pixels, and the knob on the diagonal, as far.
+            # of 90 pixels, and the scale handle on the diagonal, as far.
             self.x_pull(w, (middle[0] + 60, middle[1]), (45, 30))
             way = self.last_step(w)["handles"][0]["translation"]
             self.assertGreater(way[0], 0)
@@ -106,8 +106,8 @@ class Gestures(ToolTest):
             self.settle(w)
             self.assertEqual(self.last_step(w)["handles"][0]["rotation"]["degrees"] % 15, 0)
             self.undo(w)
-            knob = round(90 / math.sqrt(2))
-            self.x_pull(w, (middle[0] + knob, middle[1] - knob), (50, -50))
+            away = round(90 / math.sqrt(2))
+            self.x_pull(w, (middle[0] + away, middle[1] - away), (50, -50))
             self.assertGreater(self.last_step(w)["handles"][0]["scale"], 1.2)
             self.assert_replay_is_the_same(w, self.mesh)
 
@@ -279,8 +279,8 @@ class Gestures(ToolTest):
             after = w.dump()
             moved = before.moved(after)
             self.assertGreater(min(v // around for v in moved), rings // 4)
-            rim = [after.triples()[v] for v in range((rings - 1) * around, rings * around)]
-            along = [a - b for a, b in zip(rim[0], rim[around // 2])]  # was along Y
+            boundary = [after.triples()[v] for v in range((rings - 1) * around, rings * around)]
+            along = [a - b for a, b in zip(boundary[0], boundary[around // 2])]  # was along Y
             self.assertAlmostEqual(abs(math.degrees(math.atan2(along[0], along[1]))), 30, delta=3)
             self.assert_replay_is_the_same(w, mesh)
 

@@ -229,7 +229,7 @@ class Events:
         self.drag()
 
     def gizmo_drag(self):
-        """A handle, then drags that begin around it, where arrows, rings and the knob are."""
+        """A handle, then drags that begin around it, where arrows, rings and the scale handle are."""
         self.ask("set", name=part("brush_target"), value=0)
         self.ask("set", name=part("mode"), value=0)
         vertex = self.random.randrange(len(self.test.points))

@@ -28,7 +28,7 @@ Graph irregular(Surface kind, int around, int along) {
 }
 
 /// L^T L + 1, L the graph's Laplacian.
-Matrix normal_matrix(const IndexLists& neighbours) {
+Matrix normal_matrix(const CompressedRows& neighbours) {
   const int n = neighbours.rows();
   std::vector<Eigen::Triplet<double>> entries;
   for (int v = 0; v < n; ++v) {
@@ -64,7 +64,7 @@ Eigen::Index factor_entries(const Matrix& matrix, const Order& order) {
 }
 
 Eigen::Index nested_entries(const Graph& graph) {
-  const IndexLists neighbours = graph.neighbours();
+  const CompressedRows neighbours = graph.neighbours();
   const std::vector<int> order = nested_dissection(neighbours, graph.points);
   Order permutation(static_cast<Eigen::Index>(order.size()));
   std::copy(order.begin(), order.end(), permutation.indices().data());
@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(NestedDissectionOn, NamesEachVertexOnceWhateverTheThreads) {
   const Graph graph = GetParam()();
-  const IndexLists neighbours = graph.neighbours();
+  const CompressedRows neighbours = graph.neighbours();
   const std::vector<int> order = nested_dissection(neighbours, graph.points);
   expect_permutation(order, graph.size());
   for (const int threads : {2, 3, 0}) {
@@ -167,7 +167,7 @@ TEST(NestedDissection, TakesNoneAndOne) {
 
 TEST(NestedDissection, DoesNotDependOnTheUnit) {
   const Graph graph = irregular(Surface::Plane, 120, 60);
-  const IndexLists neighbours = graph.neighbours();
+  const CompressedRows neighbours = graph.neighbours();
   const std::vector<int> order = nested_dissection(neighbours, graph.points);
   EXPECT_EQ(nested_dissection(neighbours, graph.points * 0x1p40), order);
   EXPECT_EQ(nested_dissection(neighbours, graph.points * 0x1p-900), order);

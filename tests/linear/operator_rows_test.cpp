@@ -55,11 +55,11 @@ TEST_P(OperatorRowsOn, MultipliesAsEigenDoes) {
   ThreadPool pool(2);
   for (const SparseMatrix& matrix : operators()) {
     const OperatorRows rows(matrix);
-    EXPECT_TRUE(same_matrix(rows.matrix(), matrix));
+    EXPECT_TRUE(same_matrix(rows.stretched(), matrix));
     const Points x = random_points(matrix.cols(), 1);
     Points out, transposed = Points::Constant(3, 3, 7);  // of another size before
     rows.apply(x, out, pool);
-    rows.apply_transposed(x, transposed, pool);
+    rows.apply_left_factor(x, transposed, pool);
     const Points expected = matrix * x, expected_transposed = matrix.transpose() * x;
     EXPECT_LT((out - expected).norm(), 1e-14 * expected.norm());
     EXPECT_LT((transposed - expected_transposed).norm(), 1e-14 * expected_transposed.norm());
@@ -100,12 +100,12 @@ TEST_P(OperatorRowsOn, ThreadsDoNotChangeABit) {
     const Eigen::VectorXd diagonal = random_points(matrix.cols(), 4).col(0);
     Points out, transposed, other;
     rows.apply(x, out, one);
-    rows.apply_transposed(x, transposed, one);
+    rows.apply_left_factor(x, transposed, one);
     const SparseMatrix normal = rows.normal_matrix(diagonal, one);
     for (ThreadPool* pool : {&two, &three}) {
       rows.apply(x, other, *pool);
       EXPECT_TRUE(support::same_bits(other, out));
-      rows.apply_transposed(x, other, *pool);
+      rows.apply_left_factor(x, other, *pool);
       EXPECT_TRUE(support::same_bits(other, transposed));
       EXPECT_TRUE(same_matrix(rows.normal_matrix(diagonal, *pool), normal));
     }
@@ -123,7 +123,7 @@ TEST_P(OperatorRowsOn, StretchIsAddedToTheTransposedAlone) {
   rows.apply(x, out, two);
   OperatorRows(op.matrix).apply(x, other, two);
   EXPECT_TRUE(support::same_bits(out, other));
-  rows.apply_transposed(x, out, two);
+  rows.apply_left_factor(x, out, two);
   const Points expected = op.matrix.transpose() * x + stretch.asDiagonal() * x;
   EXPECT_LT((out - expected).norm(), 1e-14 * expected.norm());
   EXPECT_GT((out - op.matrix.transpose() * x).norm(), 0.1 * expected.norm());
@@ -149,12 +149,12 @@ TEST(OperatorRows, SwapBothHalves) {
   ThreadPool pool(1);
   Points expected, expected_transposed, out;
   a.apply(torus.points, expected, pool);
-  a.apply_transposed(torus.points, expected_transposed, pool);
+  a.apply_left_factor(torus.points, expected_transposed, pool);
   std::swap(a, b);
   std::swap(b, empty);
   empty.apply(torus.points, out, pool);
   EXPECT_TRUE(support::same_bits(out, expected));
-  empty.apply_transposed(torus.points, out, pool);
+  empty.apply_left_factor(torus.points, out, pool);
   EXPECT_TRUE(support::same_bits(out, expected_transposed));
   a.apply(plane.points, out, pool);
   EXPECT_EQ(out.rows(), 63);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base_support.h"
-#include "lapedit/base/index_lists.h"
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/linear/linear.h"
 
 /// Graphs and their Laplacians, made without the layers that use them.
@@ -20,7 +20,7 @@ struct Graph {
   std::vector<std::pair<int, int>> edges = {};  ///< in either direction, also several times
 
   int size() const { return static_cast<int>(points.rows()); }
-  IndexLists neighbours() const {
+  CompressedRows neighbours() const {
     std::vector<std::set<int>> rows(static_cast<std::size_t>(size()));
     for (const auto& [a, b] : edges) {
       if (a != b) {
@@ -28,7 +28,7 @@ struct Graph {
         rows[b].insert(a);
       }
     }
-    IndexLists lists;
+    CompressedRows lists;
     for (const std::set<int>& row : rows) {
       lists.values.insert(lists.values.end(), row.begin(), row.end());
       lists.offsets.push_back(static_cast<int>(lists.values.size()));
@@ -104,7 +104,7 @@ struct TestOperator {
 
 /// @param uneven  weights between 0.5 and 1.5 instead of 1
 inline TestOperator laplacian(const Graph& graph, bool uneven = false) {
-  const IndexLists neighbours = graph.neighbours();
+  const CompressedRows neighbours = graph.neighbours();
   const int n = neighbours.rows();
   const auto weight = [uneven](int i, int j) { return uneven ? 1 + 0.5 * std::sin(13.0 * (i + j) + 7.0 * i * j) : 1; };
   TestOperator result = {SparseMatrix(n, n), Eigen::VectorXd::Zero(n)};

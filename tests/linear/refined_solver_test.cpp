@@ -32,7 +32,7 @@ struct Problem {
     }
     std::mt19937 random(3);
     right = Points::NullaryExpr(all.size(), 3, [&] { return random() / 2147483648.0 - 1; });
-    const Eigen::MatrixXd op = m->matrix();
+    const Eigen::MatrixXd op = m->stretched();
     dense_known = op.transpose() * op;
     dense = dense_known;
     dense_known.diagonal() += known;

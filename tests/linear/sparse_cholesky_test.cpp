@@ -61,13 +61,9 @@ Points random_points(int n, unsigned seed) {
   return Points::NullaryExpr(n, 3, [&] { return number(random); });
 }
 
-std::vector<CholeskyBackend> backends() {
-  return {CholeskyBackend::Supernodal, CholeskyBackend::Eigen};
-}
-
-ErrorCause refusal(const SparseMatrix& matrix, CholeskyBackend backend) {
+ErrorCause refusal(const SparseMatrix& matrix) {
   try {
-    SparseCholesky factor(matrix, backend);
+    SparseCholesky factor(matrix);
   } catch (const EditError& error) {
     EXPECT_STRNE(error.what(), "");
     return error.cause();
@@ -76,19 +72,17 @@ ErrorCause refusal(const SparseMatrix& matrix, CholeskyBackend backend) {
 }
 
 TEST(SparseCholesky, AgreesWithADenseSolve) {
-  for (const CholeskyBackend backend : backends()) {
-    for (unsigned seed = 0; seed < 10; ++seed) {
-      const int n = 1 + 20 * static_cast<int>(seed);
-      const SparseMatrix matrix = random_positive_definite(n, seed);
-      const Points rhs = random_points(n, seed + 100);
-      SparseCholesky factor(matrix, backend);
-      Points x;
-      factor.solve(rhs, x);
-      const Points expected = Eigen::MatrixXd(matrix).ldlt().solve(rhs);
-      ASSERT_EQ(x.rows(), n);
-      // Both solves are backward stable, and the condition numbers of these matrices stay below 1e4.
-      EXPECT_LT((x - expected).norm(), 1e-11 * expected.norm()) << factor.backend_name() << ", " << n << " unknowns";
-    }
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const int n = 1 + 20 * static_cast<int>(seed);
+    const SparseMatrix matrix = random_positive_definite(n, seed);
+    const Points rhs = random_points(n, seed + 100);
+    SparseCholesky factor(matrix);
+    Points x;
+    factor.solve(rhs, x);
+    const Points expected = Eigen::MatrixXd(matrix).ldlt().solve(rhs);
+    ASSERT_EQ(x.rows(), n);
+    // Both solves are backward stable, and the condition numbers of these matrices stay below 1e4.
+    EXPECT_LT((x - expected).norm(), 1e-11 * expected.norm()) << n << " unknowns";
   }
 }
 
@@ -98,75 +92,65 @@ TEST(SparseCholesky, ReadsTheLowerHalfOnly) {
   SparseMatrix spoiled = lower;
   spoiled += 5 * SparseMatrix(matrix.triangularView<Eigen::StrictlyUpper>());
   const Points rhs = random_points(42, 1);
-  for (const CholeskyBackend backend : backends()) {
-    Points whole, half, other;
-    SparseCholesky(matrix, backend).solve(rhs, whole);
-    SparseCholesky(lower, backend).solve(rhs, half);
-    SparseCholesky(spoiled, backend).solve(rhs, other);
-    EXPECT_LT((matrix * whole - rhs).norm(), 1e-12);
-    EXPECT_LT((half - whole).norm(), 1e-12);
-    EXPECT_LT((other - whole).norm(), 1e-12);
-  }
+  Points whole, half, other;
+  SparseCholesky(matrix).solve(rhs, whole);
+  SparseCholesky(lower).solve(rhs, half);
+  SparseCholesky(spoiled).solve(rhs, other);
+  EXPECT_LT((matrix * whole - rhs).norm(), 1e-12);
+  EXPECT_LT((half - whole).norm(), 1e-12);
+  EXPECT_LT((other - whole).norm(), 1e-12);
 }
 
 TEST(SparseCholesky, SolvesInPlace) {
   const SparseMatrix matrix = grid_laplacian(20, 30, 0.01);
   const Points rhs = random_points(600, 2);
-  for (const CholeskyBackend backend : backends()) {
-    SparseCholesky factor(matrix, backend);
-    Points apart;
-    factor.solve(rhs, apart);
-    Points in_place = rhs;
-    factor.solve(in_place, in_place);
-    EXPECT_TRUE(in_place == apart) << factor.backend_name();
-  }
+  SparseCholesky factor(matrix);
+  Points apart;
+  factor.solve(rhs, apart);
+  Points in_place = rhs;
+  factor.solve(in_place, in_place);
+  EXPECT_TRUE(in_place == apart);
 }
 
 TEST(SparseCholesky, MovedFactorStillSolves) {
   const Points rhs = random_points(30, 5);
-  for (const CholeskyBackend backend : backends()) {
-    SparseCholesky factor(grid_laplacian(5, 6, 1), backend);
-    Points before, after;
-    factor.solve(rhs, before);
-    SparseCholesky moved = std::move(factor);
-    moved.solve(rhs, after);
-    EXPECT_TRUE(before == after);
-    moved = SparseCholesky(grid_laplacian(5, 6, 2), backend);
-    moved.solve(rhs, after);
-    EXPECT_LT((grid_laplacian(5, 6, 2) * after - rhs).norm(), 1e-13);
-  }
+  SparseCholesky factor(grid_laplacian(5, 6, 1));
+  Points before, after;
+  factor.solve(rhs, before);
+  SparseCholesky moved = std::move(factor);
+  moved.solve(rhs, after);
+  EXPECT_TRUE(before == after);
+  moved = SparseCholesky(grid_laplacian(5, 6, 2));
+  moved.solve(rhs, after);
+  EXPECT_LT((grid_laplacian(5, 6, 2) * after - rhs).norm(), 1e-13);
 }
 
 /// Fails if a copy does not share the factor, or works in the other's scratch.
 TEST(SparseCholesky, CopiesSolveAtATimeAndOutliveTheOther) {
   const SparseMatrix matrix = grid_laplacian(90, 70, 1e-3);
   const Points rhs = random_points(90 * 70, 1);
-  for (const CholeskyBackend backend : backends()) {
-    for (const bool single : {false, true}) {
-      CholeskyOptions options;
-      options.backend = backend;
-      options.single_precision = single;
-      auto factor = std::make_unique<SparseCholesky>(matrix, options);
-      Points expected;
-      factor->solve(rhs, expected);
-      std::vector<SparseCholesky> copies;
-      for (int threads = 1; threads <= 3; ++threads) {
-        copies.emplace_back(*factor, std::make_shared<ThreadPool>(threads));
+  for (const bool single : {false, true}) {
+    CholeskyOptions options;
+    options.single_precision = single;
+    auto factor = std::make_unique<SparseCholesky>(matrix, options);
+    Points expected;
+    factor->solve(rhs, expected);
+    std::vector<SparseCholesky> copies;
+    for (int threads = 1; threads <= 3; ++threads) {
+      copies.emplace_back(*factor, std::make_shared<ThreadPool>(threads));
+    }
+    EXPECT_EQ(copies[0].single_precision(), factor->single_precision());
+    factor.reset();
+    std::vector<Points> found(copies.size());
+    ThreadPool(static_cast<int>(copies.size())).each(static_cast<int>(copies.size()), [&](int c) {
+      for (int time = 0; time < 20; ++time) {
+        copies[c].solve(rhs, found[c]);
+        copies[c].solve(found[c] * 1e3, found[c]);
+        copies[c].solve(rhs, found[c]);
       }
-      EXPECT_EQ(copies[0].order(), factor->order());
-      EXPECT_EQ(copies[0].single_precision(), factor->single_precision());
-      factor.reset();
-      std::vector<Points> found(copies.size());
-      ThreadPool(static_cast<int>(copies.size())).each(static_cast<int>(copies.size()), [&](int c) {
-        for (int time = 0; time < 20; ++time) {
-          copies[c].solve(rhs, found[c]);
-          copies[c].solve(found[c] * 1e3, found[c]);
-          copies[c].solve(rhs, found[c]);
-        }
-      });
-      for (const Points& x : found) {
-        EXPECT_TRUE((x.array() == expected.array()).all()) << copies[0].backend_name();
-      }
+    });
+    for (const Points& x : found) {
+      EXPECT_TRUE((x.array() == expected.array()).all());
     }
   }
 }
@@ -189,17 +173,15 @@ TEST(SparseCholesky, MatricesThatAreNotPositiveDefiniteAreRefused) {
   bad.emplace_back("infinite", good);
   bad.back().second.coeffRef(51, 50) = std::numeric_limits<double>::infinity();
   bad.emplace_back("singular", grid_laplacian(100, 1, 0));  // a path: its pivots are 1, 1, ..., 1, 0 without rounding
-  for (const CholeskyBackend backend : backends()) {
-    for (const auto& [what, matrix] : bad) {
-      testing::internal::CaptureStdout();
-      testing::internal::CaptureStderr();
-      const ErrorCause cause = refusal(matrix, backend);
-      const std::string noise = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
-      EXPECT_EQ(cause, ErrorCause::IllConditioned) << what << ", backend " << static_cast<int>(backend);
-      EXPECT_EQ(noise, "") << what;  // a library's own message does not belong into the host's terminal
-    }
-    EXPECT_EQ(refusal(good, backend), ErrorCause::Cancelled);
+  for (const auto& [what, matrix] : bad) {
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const ErrorCause cause = refusal(matrix);
+    const std::string noise = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+    EXPECT_EQ(cause, ErrorCause::IllConditioned) << what;
+    EXPECT_EQ(noise, "") << what;  // a library's own message does not belong into the host's terminal
   }
+  EXPECT_EQ(refusal(good), ErrorCause::Cancelled);
 }
 
 /// Fails if a front takes over its children's rows in another order, or before they are done.
@@ -225,26 +207,10 @@ TEST(SparseCholesky, ThreadsDoNotChangeABit) {
 TEST(SparseCholesky, ScaleOfTheMatrixDoesNotMatter) {
   const Points rhs = random_points(100, 7);
   const SparseMatrix matrix = grid_laplacian(10, 10, 0.1);
-  for (const CholeskyBackend backend : backends()) {
-    for (const double scale : {1e-100, 1e-20, 1e20, 1e100}) {
-      Points x;
-      SparseCholesky(scale * matrix, backend).solve(rhs, x);
-      EXPECT_LT((scale * (matrix * x) - rhs).norm(), 1e-12) << scale;
-    }
-  }
-}
-
-TEST(SparseCholesky, SaysWhichBackendItUses) {
-  const SparseMatrix matrix = grid_laplacian(10, 10, 1);
-  const auto name = [&](CholeskyBackend backend) {
-    return std::string(SparseCholesky(matrix, backend).backend_name());
-  };
-  EXPECT_NE(name(CholeskyBackend::Eigen).find("Eigen"), std::string::npos);
-  EXPECT_NE(name(CholeskyBackend::Supernodal).find("supernodal"), std::string::npos);
-  for (const CholeskyBackend backend : backends()) {
-    const std::size_t entries = SparseCholesky(matrix, backend).factor_nonzeros();
-    EXPECT_GE(entries, 100U + 180U - 100U);  // the grid's edges at least
-    EXPECT_LE(entries, 100U * 100U);
+  for (const double scale : {1e-100, 1e-20, 1e20, 1e100}) {
+    Points x;
+    SparseCholesky(scale * matrix).solve(rhs, x);
+    EXPECT_LT((scale * (matrix * x) - rhs).norm(), 1e-12) << scale;
   }
 }
 
@@ -255,20 +221,18 @@ TEST(SparseCholesky, TakesOverAnAnalysis) {
   second.coeffs() *= 2;
   second.diagonal().array() += 0.3;
   const Points right = random_points(600, 5);
-  for (const CholeskyBackend backend : backends()) {
-    CholeskyOptions options;
-    options.backend = backend;
-    const SparseCholesky before(first, options);
-    EXPECT_FALSE(before.analysis_reused());
-    Points alone, shared;
-    SparseCholesky(second, options).solve(right, alone);
-    options.same_pattern = &before;
-    SparseCholesky after(second, options);
-    EXPECT_EQ(after.analysis_reused(), backend != CholeskyBackend::Eigen);
-    after.solve(right, shared);
-    EXPECT_TRUE((alone.array() == shared.array()).all());
-    EXPECT_FALSE(SparseCholesky(grid_laplacian(31, 20, 0.1), options).analysis_reused()) << "another matrix";
-  }
+  CholeskyOptions options;
+  const SparseCholesky before(first, options);
+  Points alone, shared;
+  SparseCholesky(second, options).solve(right, alone);
+  options.same_pattern = &before;
+  SparseCholesky after(second, options);
+  after.solve(right, shared);
+  EXPECT_TRUE((alone.array() == shared.array()).all());
+  const SparseMatrix other = grid_laplacian(31, 20, 0.1);
+  Points x;
+  SparseCholesky(other, options).solve(random_points(620, 6), x);
+  EXPECT_LT((other * x - random_points(620, 6)).norm(), 1e-11) << "another pattern";
 }
 
 /// The work between two calls is a small fraction of all: there are many, and none follows the one that ends it.

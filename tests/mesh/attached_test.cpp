@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/attached.h"
+#include "lapedit/mesh/connect.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "lapedit/mesh/protrusion.h"
-#include "lapedit/mesh/ray_cast.h"
+#include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/visibility.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -151,7 +151,7 @@ TEST_P(Sizes, TipBeyondTheRadiusBelongsToTheRegion) {
   given.tips = false;
   const Region alone = region_about(mesh, size() * Vector3::UnitZ(), given);
   EXPECT_FALSE(contains(alone.mesh_vertex, tip));
-  // Only the ear is added, and the rim of the head holds as before.
+  // Only the ear is added, and the boundary of the head holds as before.
   for (const int v : without(region.mesh_vertex, alone.mesh_vertex)) {
     EXPECT_GT(mesh.vertices.row(v).norm(), 1.05 * size());
   }

@@ -6,8 +6,8 @@
 #include <map>
 #include <tuple>
 
+#include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/geodesic.h"
-#include "lapedit/mesh/patch_border.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
 #include "support.h"
@@ -22,7 +22,7 @@ TriangleMesh ball_in_ball() {
   return shapes::together(shapes::icosphere(3), inner, Vector3::Zero());
 }
 
-std::vector<std::pair<int, int>> links_of(const IndexLists& before, const IndexLists& after) {
+std::vector<std::pair<int, int>> links_of(const CompressedRows& before, const CompressedRows& after) {
   std::vector<std::pair<int, int>> links;
   for (int v = 0; v < before.rows(); ++v) {
     for (const int w : after[v]) {
@@ -37,7 +37,7 @@ std::vector<std::pair<int, int>> links_of(const IndexLists& before, const IndexL
 TEST(Connect, LinksNearestVerticesOfDifferentPiecesWithinTheGap) {
   const TriangleMesh mesh = ball_in_ball();
   const Adjacency adjacency = support::adjacency_of(mesh);
-  const IndexLists linked = linked_neighbours(mesh, adjacency.neighbours, 0.2);
+  const CompressedRows linked = linked_neighbours(mesh, adjacency.neighbours, 0.2);
   const auto links = links_of(adjacency.neighbours, linked);
   std::vector<int> count(mesh.vertices.rows(), 0);
   for (const auto& [v, w] : links) {
@@ -79,7 +79,7 @@ std::vector<std::pair<int, int>> sorted(std::vector<std::pair<int, int>> links) 
 }
 
 /// Links of each vertex as defined, by looking at all pairs. @return sorted, both directions
-std::vector<std::pair<int, int>> links_of_all_pairs(const TriangleMesh& mesh, const IndexLists& neighbours,
+std::vector<std::pair<int, int>> links_of_all_pairs(const TriangleMesh& mesh, const CompressedRows& neighbours,
                                                     double gap) {
   std::vector<int> labels;
   connected_components(neighbours, labels);
@@ -132,7 +132,7 @@ TEST(Connect, LinksAreThoseOfLookingAtAllPairs) {
 }
 
 double work_per_vertex(const TriangleMesh& mesh) {
-  const IndexLists neighbours = support::adjacency_of(mesh).neighbours;
+  const CompressedRows neighbours = support::adjacency_of(mesh).neighbours;
   double calls = 0;
   const Progress count = [&calls](double, const char*) { return ++calls > 0; };
   const ProgressScope scope(count);
@@ -174,7 +174,7 @@ TEST(Connect, LinksTheSidesOfAClosedWall) {
   TriangleMesh plate = shapes::bar(kCells, kCells, 1);
   plate.vertices.col(2) *= 0.2;
   const auto links = links_at(plate, 0.3);
-  EXPECT_EQ(links.size(), 2U * (kCells - 1) * (kCells - 1)) << "all but those at its rim";
+  EXPECT_EQ(links.size(), 2U * (kCells - 1) * (kCells - 1)) << "all but those at its boundary";
   for (const auto& [v, w] : links) {
     EXPECT_NEAR((plate.vertices.row(v) - plate.vertices.row(w)).norm(), 0.2, 1e-12);
   }
@@ -259,7 +259,7 @@ TEST(Connect, RegionOfARadiusHasTheLinksOfTheWholeMesh) {
   RegionSpec spec = support::within(0.5);
   for (const double gap : {0.12, 0.2}) {
     spec.connect_gap = gap;
-    const IndexLists linked = linked_neighbours(mesh, adjacency.neighbours, gap);
+    const CompressedRows linked = linked_neighbours(mesh, adjacency.neighbours, gap);
     const Region region = build_region(mesh, adjacency, spec, {{support::vertex_at(mesh, {0, 0, 1})}});
     for (int i = 0; i < region.size(); ++i) {
       std::size_t inside = 0;
@@ -272,7 +272,7 @@ TEST(Connect, RegionOfARadiusHasTheLinksOfTheWholeMesh) {
 }
 
 /// What is linked but not in a given set does not hold it.
-TEST(Connect, LinksOutOfAGivenSetMakeNoRim) {
+TEST(Connect, LinksOutOfAGivenSetMakeNoBoundary) {
   const TriangleMesh mesh = ball_in_ball();
   const Adjacency adjacency = support::adjacency_of(mesh);
   RegionSpec spec;

@@ -44,7 +44,7 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
   region.radius = spec.kind == RegionSpec::Kind::Radius ? spec.radius : region.max_distance;
   region.left_out = given_set ? static_cast<int>(std::count(set.begin(), set.end(), 1)) - region.size() : 0;
 
-  std::vector<int> local(n, -1), rim;
+  std::vector<int> local(n, -1), boundary;
   for (int i = 0; i < region.size(); ++i) {
     local[region.mesh_vertex[i]] = i;
     region.distance.push_back(search.distance(region.mesh_vertex[i]));
@@ -52,11 +52,11 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
   Points points(region.size(), 3);
   for (int i = 0; i < region.size(); ++i) {
     points.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
-    const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+    const CompressedRows::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
     std::copy_if(ring.begin(), ring.end(), std::back_inserter(region.neighbours.values),
                  [&](int w) { return local[w] >= 0; });
     if (std::any_of(ring.begin(), ring.end(), [&](int w) { return local[w] < 0; })) {
-      rim.push_back(i);
+      boundary.push_back(i);
     }
     std::for_each(region.neighbours.values.begin() + region.neighbours.offsets.back(), region.neighbours.values.end(),
                   [&](int& w) { w = local[w]; });
@@ -76,11 +76,11 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
   region.faces.conservativeResize(inside, 3);
 
   const Adjacency local_faces = build_adjacency(region.size(), region.faces, 1);
-  GeodesicSearch from_rim({region.neighbours, points, region.faces, local_faces.faces});
+  GeodesicSearch from_boundary({region.neighbours, points, region.faces, local_faces.faces});
   const double width = spec.padding * region.max_distance;
-  from_rim.run(rim, width);
+  from_boundary.run(boundary, width);
   for (int i = 0; i < region.size(); ++i) {
-    const bool at_rim = std::binary_search(rim.begin(), rim.end(), i);
+    const bool at_boundary = std::binary_search(boundary.begin(), boundary.end(), i);
     const auto found = std::find(spec.anchors.vertices.begin(), spec.anchors.vertices.end(), region.mesh_vertex[i]);
     const auto kept = static_cast<std::size_t>(found - spec.anchors.vertices.begin());
     const bool is_kept = kept < spec.anchors.vertices.size();
@@ -88,16 +88,16 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
     if (is_kept) {
       depth = spec.anchors.depths[kept];
     } else if (given_set && spec.anchors.empty()) {
-      depth = width > 0 ? 1 - from_rim.distance(i) / width : 0;
+      depth = width > 0 ? 1 - from_boundary.distance(i) / width : 0;
     } else if (spec.kind == RegionSpec::Kind::Radius && spec.padding > 0) {
       depth = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
     }
     const int group = group_of[region.mesh_vertex[i]];
-    const bool anchor = group < 0 && (at_rim || depth > kRoundedLength || is_kept);
+    const bool anchor = group < 0 && (at_boundary || depth > kRoundedLength || is_kept);
     const double ratio = region.max_distance > 0 ? std::min(1.0, region.distance[i] / region.max_distance) : 1;
     region.group.push_back(group);
     region.classes.push_back(group >= 0 ? VertexClass::Handle : anchor ? VertexClass::Anchor : VertexClass::Free);
-    region.anchor_depth.push_back(!anchor ? 0 : at_rim ? 1 : std::min(depth, 1.0));
+    region.anchor_depth.push_back(!anchor ? 0 : at_boundary ? 1 : std::min(depth, 1.0));
     region.anchor_weight.push_back(!anchor ? 0 : is_kept ? spec.anchors.weights[kept] : ratio);
   }
   region.anchored.assign(connected_components(region.neighbours, region.component), 0);
@@ -145,7 +145,7 @@ inline Adjacency plain_adjacency(const TriangleMesh& mesh) {
     }
   }
   const auto lists = [](const std::vector<std::set<int>>& rows) {
-    IndexLists result;
+    CompressedRows result;
     for (const std::set<int>& row : rows) {
       result.values.insert(result.values.end(), row.begin(), row.end());
       result.offsets.push_back(static_cast<int>(result.values.size()));

@@ -50,18 +50,18 @@ std::set<int> members(const Region& region, VertexClass wanted) {
 }
 
 /// Region vertices with a mesh neighbour outside, from the faces alone.
-std::set<int> rim_of(const TriangleMesh& mesh, const Region& region) {
+std::set<int> boundary_of(const TriangleMesh& mesh, const Region& region) {
   const std::set<int> inside(region.mesh_vertex.begin(), region.mesh_vertex.end());
-  std::set<int> rim;
+  std::set<int> boundary;
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
     for (int k = 0; k < 9; ++k) {
       const int a = mesh.faces(f, k % 3), b = mesh.faces(f, k / 3);
       if (inside.count(a) && !inside.count(b)) {
-        rim.insert(a);
+        boundary.insert(a);
       }
     }
   }
-  return rim;
+  return boundary;
 }
 
 struct Shape {
@@ -102,13 +102,13 @@ TEST_P(RegionOn, RadiusTakesExactlyWhatIsWithinIt) {
       }
     }
     EXPECT_EQ(region.mesh_vertex, expected);
-    const std::set<int> rim = rim_of(mesh, region);
+    const std::set<int> boundary = boundary_of(mesh, region);
     for (int i = 0; i < region.size(); ++i) {
       const int v = region.mesh_vertex[i];
       EXPECT_NEAR(region.distance[i], distance[v], 1e-14 * radius);
       if (region.group[i] < 0) {
         const bool band = distance[v] > (1 - padding) * radius * (1 + 1e-14);
-        EXPECT_EQ(region.classes[i], band || rim.count(v) ? VertexClass::Anchor : VertexClass::Free)
+        EXPECT_EQ(region.classes[i], band || boundary.count(v) ? VertexClass::Anchor : VertexClass::Free)
             << "vertex " << v << ", padding " << padding;
       }
     }
@@ -119,12 +119,12 @@ TEST_P(RegionOn, HasTheBitsOfAPlainImplementation) {
   support::expect_plain_regions(GetParam().mesh(), GetParam().groups, {0.3, 0.8, 1}, {0, 0.1, 0.23, 0.5, 1});
 }
 
-TEST(Region, BorderOfTheMeshIsNoRim) {
+TEST(Region, BorderOfTheMeshIsNoBoundary) {
   const TriangleMesh mesh = shapes::grid(9, 9);
   const Region region = build(mesh, within(100, 0), {{40}});
   EXPECT_EQ(region.size(), 81);
   EXPECT_EQ(region.count(VertexClass::Anchor), 0);
-  // A block in a corner of the mesh: its two sides inside the mesh are rim, the two on the border are not.
+  // A block in a corner of the mesh: its two sides inside the mesh are boundary, the two on the border are not.
   const Region corner = build(mesh, given(block(9, 0, 4, 0, 4), 0), {{10}});
   std::set<int> sides;
   for (int k = 0; k <= 4; ++k) {
@@ -140,7 +140,7 @@ TEST(Region, AnchorDepthGrowsAcrossTheBand) {
   int checked = 0;
   for (int i = 0; i < region.size(); ++i) {
     const int v = region.mesh_vertex[i];
-    if (region.classes[i] == VertexClass::Anchor && !rim_of(mesh, region).count(v)) {
+    if (region.classes[i] == VertexClass::Anchor && !boundary_of(mesh, region).count(v)) {
       EXPECT_NEAR(region.anchor_depth[i], (region.distance[i] - 6) / 4, 1e-12);
       ++checked;
     }
@@ -148,7 +148,7 @@ TEST(Region, AnchorDepthGrowsAcrossTheBand) {
   EXPECT_GT(checked, 20);
 }
 
-TEST(Region, HandleOnTheRimStaysAHandle) {
+TEST(Region, HandleOnTheBoundaryStaysAHandle) {
   const TriangleMesh mesh = shapes::grid(9, 9);
   const Region region = build(mesh, given(block(9, 2, 6, 2, 6), 0.5), {{20, 21}});  // a corner of the block
   EXPECT_EQ(members(region, VertexClass::Handle), (std::set<int>{20, 21}));
@@ -169,7 +169,7 @@ TEST(Region, KeptAnchorsReplaceTheBand) {
     EXPECT_EQ(second.classes[i] == VertexClass::Anchor, first.classes[i] == VertexClass::Anchor);
     EXPECT_EQ(second.classes[i] == VertexClass::Handle, second.mesh_vertex[i] == 701);
   }
-  // A handle among them is a handle, and the rim is held even where it is not listed.
+  // A handle among them is a handle, and the boundary is held even where it is not listed.
   const int on_anchor = next.anchors.vertices[3];
   EXPECT_EQ(build_region(mesh, adjacency, next, {{on_anchor}}).count(VertexClass::Anchor),
             first.count(VertexClass::Anchor) - 1);

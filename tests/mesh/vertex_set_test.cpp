@@ -88,7 +88,7 @@ TEST(ShortestPath, IsAsLongAsTheDistance) {
     EXPECT_EQ(path.back(), to);
     double length = 0;
     for (std::size_t i = 1; i < path.size(); ++i) {
-      const IndexLists::Row ring = around.neighbours[path[i - 1]];
+      const CompressedRows::Row ring = around.neighbours[path[i - 1]];
       EXPECT_TRUE(std::find(ring.begin(), ring.end(), path[i]) != ring.end());
       length += (mesh.vertices.row(path[i]) - mesh.vertices.row(path[i - 1])).norm();
     }

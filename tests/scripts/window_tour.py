@@ -93,14 +93,14 @@ def ring_position(window, centre, angle):
     return centre[0] + middle * way[0], centre[1] + middle * way[1]
 
 
-def middle_of_rim(window, seed):
+def middle_of_boundary(window, seed):
     """Of the region about a vertex: in pixels."""
     shape = window.dump()
     points = shape.triples()
     around = neighbours(len(points), shape.faces())
     region = within(points, around, seed, window.widget(part("radius"))["value"])
-    rim = [points[v] for v in region if not around[v] <= region]
-    return window.project(points=[[sum(c) / len(rim) for c in zip(*rim)]])[0]
+    boundary = [points[v] for v in region if not around[v] <= region]
+    return window.project(points=[[sum(c) / len(boundary) for c in zip(*boundary)]])[0]
 
 
 def raise_arm(tour, window, at):
@@ -111,14 +111,14 @@ def raise_arm(tour, window, at):
     tour.caption = "The wheel sets the radius, Shift+wheel the disc."
     tour.wheel(1)
     tour.wheel(4, ["shift"])
-    tour.caption = "A click shows the region. The pivot: the middle of its rim."
+    tour.caption = "A click shows the region. The pivot: the middle of its boundary."
     tour.press()
     tour.release()
     window.set(part("gizmo"), "Axes of the view")
     window.set(part("pivot"), "Shoulder (edge)")
     tour.frame(1.6)
     tour.caption = "Drag the ring: the arm is raised in one motion."
-    centre = middle_of_rim(window, nearest(window.dump().triples(), HAND))
+    centre = middle_of_boundary(window, nearest(window.dump().triples(), HAND))
     start = ring_position(window, centre, math.radians(-45))
     tour.go(start, 0.8)
     tour.press()

@@ -492,17 +492,17 @@ TEST(DragGizmo, OfASingleVertexHasArrowsOnly) {
   }
 }
 
-TEST(DragGizmo, RimIsTheMiddleOfWhatHoldsAnArm) {
+TEST(DragGizmo, BoundaryIsTheMiddleOfWhatHoldsAnArm) {
   Window window(shapes::tapered_arm(24, 60), support::view_from(Vector3(0, -12, 0), Vector3::Zero()));
   const Points& positions = window.session.mesh().vertices;
   int tip = 0;
   positions.col(0).maxCoeff(&tip);
   window.change([](DragSettings& s) { s.radius = 2; });
   window.click(tip);
-  window.session.set(&Tools::pivot, Pivot::Rim);
-  const Vector3 rim = window.session.pivot_position();
-  EXPECT_LT(rim.x(), positions(tip, 0) - 1);
-  EXPECT_LT(std::hypot(rim.y(), rim.z()), 0.5);
+  window.session.set(&Tools::pivot, Pivot::Boundary);
+  const Vector3 boundary = window.session.pivot_position();
+  EXPECT_LT(boundary.x(), positions(tip, 0) - 1);
+  EXPECT_LT(std::hypot(boundary.y(), boundary.z()), 0.5);
   window.session.set(&Tools::pivot, Pivot::Centroid);
   EXPECT_EQ(window.session.pivot_position(), centroid(positions, window.session.selection().groups.at(0)));
 }

@@ -233,7 +233,7 @@ TEST(DragPivot, DragTurnsAboutTheShoulderAndShiftMoves) {
     s.handle_fraction = 0.2;
   });
   window.click(tip);
-  window.session.set(&Tools::pivot, Pivot::Rim);
+  window.session.set(&Tools::pivot, Pivot::Boundary);
   EXPECT_TRUE(window.says("turns about the shoulder"));
   const Vector3 pivot = window.session.pivot_position();
   const std::vector<int> handle = window.session.selection().groups.at(0);

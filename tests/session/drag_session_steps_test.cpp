@@ -576,11 +576,11 @@ TEST(DragSteps, WhatFollowedAStepIsGoneOnceTheStepIsSolvedAgain) {
   window.redo();
   ASSERT_TRUE(window.session.can_redo());
   window.change([](DragSettings& s) { s.edit.membrane = 50; });
-  const Points amended = window.host();
+  const Points adjusted = window.host();
   EXPECT_FALSE(window.session.can_redo());
   window.session.redo();
   EXPECT_TRUE(window.says("nothing to redo"));
-  EXPECT_TRUE(same_bits(window.host(), amended));
+  EXPECT_TRUE(same_bits(window.host(), adjusted));
   window.expect_consistent();
 }
 
@@ -644,7 +644,7 @@ TEST(DragSteps, ButtonReleasedWhileAStepIsSolvedForAgainHoldsNothing) {
 }
 
 /// What is dropped while the worker is elsewhere leaves the step, and what settings are about.
-TEST(DragSteps, AmendmentAndLoadCanBeDropped) {
+TEST(DragSteps, AdjustmentAndLoadCanBeDropped) {
   Window window(plate());
   window.drag(kMiddle, Vector2(40, 25));
   const Points before = window.host();
@@ -802,7 +802,7 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
   EXPECT_FALSE(window.session.figures().largest_stretch || window.session.figures().solve_ms);
 }
 
-/// The middle dragged over the region's rim: the plate folds there.
+/// The middle dragged over the region's boundary: the plate folds there.
 TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   Window window(plate());
   window.change([](DragSettings& s) {

@@ -98,7 +98,7 @@ TEST(Gizmo, ArrowsAreTakenAlongTheirLengthAndRingsOnTheirNearHalf) {
         }
       }
     }
-    EXPECT_EQ(gizmo_element_at(gizmo, over(view, gizmo.knob(view), Vector2(3, 3))), GizmoElement::Scale);
+    EXPECT_EQ(gizmo_element_at(gizmo, over(view, gizmo.scale_handle(view), Vector2(3, 3))), GizmoElement::Scale);
   }
   EXPECT_GE(arrows, 10);
   EXPECT_GE(rings, 10);

@@ -67,21 +67,21 @@ TEST(History, ApplyForgetsWhatWasUndone) {
   EXPECT_TRUE(same_bits(history.mesh()->vertices.row(2), history.original().vertices.row(2)));
 }
 
-TEST(History, AmendedStepLeavesNothingOfTheOneBefore) {
-  History amended(shapes::grid(6, 6));
-  amended.apply(step(1), {1, 2, 3}, positions(3, 1));
-  amended.apply(step(2), {2, 3, 4}, positions(3, 2));
-  const Points before = amended.before_last()->vertices;
-  amended.amend(step(3), {4, 5}, positions(2, 3), {});
+TEST(History, AdjustedStepLeavesNothingOfTheOneBefore) {
+  History adjusted(shapes::grid(6, 6));
+  adjusted.apply(step(1), {1, 2, 3}, positions(3, 1));
+  adjusted.apply(step(2), {2, 3, 4}, positions(3, 2));
+  const Points before = adjusted.before_last()->vertices;
+  adjusted.adjust(step(3), {4, 5}, positions(2, 3), {});
   History at_once(shapes::grid(6, 6));
   at_once.apply(step(1), {1, 2, 3}, positions(3, 1));
   EXPECT_TRUE(same_bits(before, at_once.mesh()->vertices));
   at_once.apply(step(3), {4, 5}, positions(2, 3));
-  EXPECT_TRUE(same_bits(amended.mesh()->vertices, at_once.mesh()->vertices));
-  ASSERT_EQ(amended.steps().size(), 2U);
-  EXPECT_EQ(amended.steps()[1].step.settings.iterations, 3);
-  amended.undo();
-  EXPECT_TRUE(same_bits(amended.mesh()->vertices, before));
+  EXPECT_TRUE(same_bits(adjusted.mesh()->vertices, at_once.mesh()->vertices));
+  ASSERT_EQ(adjusted.steps().size(), 2U);
+  EXPECT_EQ(adjusted.steps()[1].step.settings.iterations, 3);
+  adjusted.undo();
+  EXPECT_TRUE(same_bits(adjusted.mesh()->vertices, before));
 }
 
 TEST(History, MeshIsReplacedAndNeverChanged) {
@@ -94,7 +94,7 @@ TEST(History, MeshIsReplacedAndNeverChanged) {
   };
   history.apply(step(1), {1, 2}, positions(2, 1));
   look();
-  history.amend(step(2), {2, 3}, positions(2, 2), {});
+  history.adjust(step(2), {2, 3}, positions(2, 2), {});
   look();
   history.undo();
   look();
@@ -124,7 +124,7 @@ TEST(History, ChangesReuseMeshesThatNobodyReads) {
     faces.insert(history.mesh()->faces.data());
     history.redo();
     EXPECT_TRUE(same_bits(history.mesh()->vertices, after)) << k;
-    history.amend(step(k), {k}, positions(1, k), {});
+    history.adjust(step(k), {k}, positions(1, k), {});
     faces.insert(history.mesh()->faces.data());
   }
   EXPECT_LE(faces.size(), 4U) << "each is a copy";

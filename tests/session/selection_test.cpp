@@ -8,7 +8,7 @@
 #include <random>
 
 #include "lapedit/base/error.h"
-#include "lapedit/mesh/painted_region.h"
+#include "lapedit/mesh/region.h"
 #include "shapes.h"
 #include "support.h"
 

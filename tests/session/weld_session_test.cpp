@@ -28,7 +28,7 @@ int places_apart(const Points& now, const Points& before) {
   const Weld weld(before);
   int apart = 0;
   for (int v = 0; v < static_cast<int>(before.rows()); ++v) {
-    apart += now.row(v) != now.row(weld.first(v));
+    apart += now.row(v) != now.row(weld.representative(v));
   }
   return apart;
 }
@@ -81,7 +81,7 @@ TEST(DragWeld, SelectionsOfOneSideCount) {
   for (int v = 0; v < static_cast<int>(window.session.original().vertices.rows()); ++v) {
     const auto faces = window.session.given_adjacency().faces[v];
     if (faces.size() > 0 && window.session.original().vertices(v, 0) >= 20 &&
-        (weld.first(v) != v || window.session.original().vertices(v, 0) > 20)) {
+        (weld.representative(v) != v || window.session.original().vertices(v, 0) > 20)) {
       right.push_back(v);
     }
   }

@@ -39,8 +39,8 @@ void CellModel::solve(GroupPaths& paths, bool quick) {
 }
 
 /// Computes R from q = sum_k w_k (q_k . q_0) q_k, blended with the identity by hold, and the displacement
-/// f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)), whose factor f falls to 0 at the region's rim. Both are continuous
-/// and do not depend on the signs of the quaternions.
+/// f (sum_k w_k u_k + (R - I)(p_i - sum_k w_k C_k)), whose factor f falls to 0 at the region's boundary. Both are
+/// continuous and do not depend on the signs of the quaternions.
 struct CellModel::Blend {
   const CellBlend& blend;
   const double* hold;

@@ -74,7 +74,7 @@ class Packing {
   std::vector<int> queue_;
   struct {
     Vector3 middle;        // of the region
-    std::vector<int> run;  // vertices at the same distance from the rims of handles
+    std::vector<int> run;  // vertices at the same distance from the boundaries of handles
     std::vector<std::int64_t> from_middle;
     std::vector<std::uint64_t> marks;  // hashes of the surroundings; computed when needed
   } ties_;
@@ -201,7 +201,7 @@ void Packing::choose_spacing() {
 }
 
 void Packing::measure_edges() {
-  const IndexLists& neighbours = region_.neighbours;
+  const CompressedRows& neighbours = region_.neighbours;
   lengths_.resize(neighbours.values.size());
   const double steps = spacing_ > 0 ? 0.5 * kSpacing / spacing_ : 0;
   for_indices(pool_, region_.size(), kGrain, [&](int i) {
@@ -214,7 +214,7 @@ void Packing::measure_edges() {
   });
 }
 
-/// Sorts the vertices by their distance from the rims of handles.
+/// Sorts the vertices by their distance from the boundaries of handles.
 void Packing::sort() {
   constexpr int kBits = kKeyBits / 2;
   constexpr std::uint32_t kMask = (1U << kBits) - 1;
@@ -295,7 +295,7 @@ std::vector<std::uint64_t> Packing::names() const {
 /// position and numbering of the mesh, so vertices with equal marks are symmetric, or nearly so.
 void Packing::mark() {
   constexpr int kRings = 2;
-  const IndexLists& neighbours = region_.neighbours;
+  const CompressedRows& neighbours = region_.neighbours;
   const std::vector<std::uint64_t> name = names();
   std::vector<std::uint64_t> before(region_.size());
   ties_.marks.resize(region_.size());
@@ -314,8 +314,8 @@ void Packing::mark() {
   }
 }
 
-/// Sorts vertices with equal distances from the rims of handles: by the distance from the middle of the region, and by
-/// their surroundings, which do not depend on the orientation of the mesh; then by coordinates.
+/// Sorts vertices with equal distances from the boundaries of handles: by the distance from the middle of the region,
+/// and by their surroundings, which do not depend on the orientation of the mesh; then by coordinates.
 void Packing::sort_tied() {
   const auto by_middle = [this](int a, int b) { return ties_.from_middle[a] < ties_.from_middle[b]; };
   std::stable_sort(ties_.run.begin(), ties_.run.end(), by_middle);
@@ -335,7 +335,7 @@ void Packing::sort_tied() {
 /// Assigns to a cell all vertices that are nearer to its seed than to earlier seeds. A seed in a group does not claim
 /// vertices of another group, since a cell of two groups that move apart could not follow both.
 void Packing::claim(int seed, int cell, std::vector<int>& of) {
-  const IndexLists& neighbours = region_.neighbours;
+  const CompressedRows& neighbours = region_.neighbours;
   queue_.assign(1, seed);
   distance_[seed] = 0;
   of[seed] = cell;

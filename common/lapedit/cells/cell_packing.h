@@ -16,14 +16,14 @@ std::vector<int> groups_with_cells(const Region& region);
 /// Divides a region into patches of neighbouring vertices that are about as wide as long, whatever the shape of the
 /// triangles.
 ///
-/// Seeds are packed along the surface: from the rims of the handles outwards and inwards, each vertex that is farther
-/// than the local spacing from all earlier seeds becomes a seed. A cell consists of the vertices that are nearest to
-/// its seed along edges. The spacing grows with the distance from the handles, and towards the inside of rigid groups
-/// and of the anchor band, where rotations do not vary. Vertices at the same distance from the handles are sorted by
-/// their distance from the region's middle, then by the edges around them and the nearest group, then by coordinates,
-/// and by number only if coordinates are equal. Two vertices that are each other's mirror images and near each other
-/// begin one cell. Neighbouring groups of groups_with_cells() have cells of their own. The result is the same for any
-/// number of threads.
+/// Seeds are packed along the surface: from the boundaries of the handles outwards and inwards, each vertex that is
+/// farther than the local spacing from all earlier seeds becomes a seed. A cell consists of the vertices that are
+/// nearest to its seed along edges. The spacing grows with the distance from the handles, and towards the inside of
+/// rigid groups and of the anchor band, where rotations do not vary. Vertices at the same distance from the handles are
+/// sorted by their distance from the region's middle, then by the edges around them and the nearest group, then by
+/// coordinates, and by number only if coordinates are equal. Two vertices that are each other's mirror images and near
+/// each other begin one cell. Neighbouring groups of groups_with_cells() have cells of their own. The result is the
+/// same for any number of threads.
 /// @param rest    size() x 3, the region's rest pose about a local origin
 /// @param target  wanted number of cells; the part that is not rigid has at most one cell per five vertices
 /// @param of      out: the cell of each vertex of the region

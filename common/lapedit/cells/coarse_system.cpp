@@ -226,7 +226,7 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   SparseMatrix constraints(m, m);
   constraints.setFromTriplets(entries.begin(), entries.end());
   normal += constraints;
-  factorise_for(region, [&] { normal_ = std::make_unique<SparseCholesky>(normal, CholeskyBackend::Eigen); });
+  factorise_for(region, [&] { normal_ = std::make_unique<SmallCholesky>(normal); });
 }
 
 /// Solves (L + D^2 W^2 / 4) phi_g = D^2 W_g^2 / 4. Positive off-diagonal entries of L are set to 0 and its diagonal is
@@ -250,7 +250,7 @@ void CoarseSystem::make_follow(const RegionCells& cells, const Eigen::VectorXd& 
     matrix.coeffRef(c, c) = sum;
   }
   matrix.makeCompressed();  // a cell without neighbours had no entry
-  SparseCholesky factor(matrix, CholeskyBackend::Eigen);
+  SmallCholesky factor(matrix);
   Points three = Points::Zero(cells.count(), 3);
   for (int g = 0; g < groups; g += 3) {
     const int count = std::min(3, groups - g);

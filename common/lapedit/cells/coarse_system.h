@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lapedit/cells/region_cells.h"
+#include "lapedit/cells/small_cholesky.h"
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/group_paths.h"
 
@@ -68,7 +69,7 @@ class CoarseSystem {
   std::vector<int> groups_;
   Eigen::MatrixXd follow_;
   std::vector<int> loose_;
-  std::unique_ptr<SparseCholesky> normal_;
+  std::unique_ptr<SmallCholesky> normal_;
 };
 
 }  // namespace lapedit

@@ -193,8 +193,8 @@ void CellSums::take() {
 // --- Blending --------------------------------------------------------------------------------------------------------
 
 /// Returns, for each cell, the cell, its neighbours and their neighbours, ascending.
-IndexLists two_rings(const RegionCells& cells) {
-  IndexLists result;
+CompressedRows two_rings(const RegionCells& cells) {
+  CompressedRows result;
   std::vector<int> row;
   for (int c = 0; c < cells.count(); ++c) {
     row.assign(1, c);
@@ -266,7 +266,7 @@ class Weigher {
 Weigher::Weigher(const RegionCells& cells, const Points& rest) : cells_(cells) {
   const double largest = rest.cwiseAbs().maxCoeff();
   scale_ = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
-  const IndexLists rings = two_rings(cells);
+  const CompressedRows rings = two_rings(cells);
   const std::vector<float> reaches = squared_reaches(cells, rest, scale_);
   offsets_ = rings.offsets;
   candidates_.resize(rings.values.size());

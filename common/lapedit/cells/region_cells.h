@@ -25,9 +25,9 @@ Floats4 floats4(const Vector& v) {
 /// three cells meet in a face their centroids span a triangle, so that the cells form a coarse mesh of the region. All
 /// data depends only on the region and its rest pose, bit for bit, whatever the number of threads.
 struct RegionCells {
-  std::vector<int> of;    ///< cell of each vertex of the region
-  Points centres;         ///< centroids at rest, cells x 3; at open borders those of the vertices on the border
-  IndexLists neighbours;  ///< cells connected by an edge, ascending
+  std::vector<int> of;        ///< cell of each vertex of the region
+  Points centres;             ///< centroids at rest, cells x 3; at open borders those of the vertices on the border
+  CompressedRows neighbours;  ///< cells connected by an edge, ascending
   /// Per entry of neighbours: the weight of the pair, at least about 1e-3: the flux through their common border of the
   /// linear function that grows by 1 from one centre to the other, measured with the metric.
   std::vector<double> crossing;

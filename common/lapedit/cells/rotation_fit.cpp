@@ -47,7 +47,7 @@ RotationFit::RotationFit(const RegionCells& cells)
   }
   SparseMatrix matrix(cells.count(), cells.count());
   matrix.setFromTriplets(entries.begin(), entries.end());
-  diffusion_ = std::make_unique<SparseCholesky>(matrix, CholeskyBackend::Eigen);
+  diffusion_ = std::make_unique<SmallCholesky>(matrix);
 }
 
 void RotationFit::diffuse(Points& rows) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lapedit/cells/region_cells.h"
+#include "lapedit/cells/small_cholesky.h"
 #include "lapedit/deform/laplacian_system.h"
 
 namespace lapedit {
@@ -47,9 +48,9 @@ class RotationFit {
   void diffuse(Points& rows);
 
   const RegionCells& cells_;
-  IndexLists members_;  // vertices of each cell
+  CompressedRows members_;  // vertices of each cell
   Eigen::VectorXd areas_;
-  std::unique_ptr<SparseCholesky> diffusion_;
+  std::unique_ptr<SmallCholesky> diffusion_;
   Points rest_[3], moved_[3], scratch_;  // rows of a matrix per cell
   std::vector<Matrix3> rotations_;
 };

@@ -13,7 +13,7 @@ namespace lapedit {
 namespace {
 
 /// Adds to each matrix its neighbours'.
-void add_neighbours(const IndexLists& neighbours, std::vector<Matrix3>& matrices) {
+void add_neighbours(const CompressedRows& neighbours, std::vector<Matrix3>& matrices) {
   const std::vector<Matrix3> before = matrices;
   for (int a = 0; a < neighbours.rows(); ++a) {
     for (const int b : neighbours[a]) {

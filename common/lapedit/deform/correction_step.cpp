@@ -89,7 +89,7 @@ const Points& CorrectionStep::operator()(const EditConstraints& constraints, con
     powers.first->apply(edges_, product_, *system_.pool);
     edges_.swap(product_);
   }
-  powers.m->apply_transposed(with_links(constraints, rotations, displacement), residual_, *system_.pool);
+  powers.m->apply_left_factor(with_links(constraints, rotations, displacement), residual_, *system_.pool);
   for (const int i : constrained_) {
     residual_.row(i) += system_.squared_weights[i] * (constraints.wanted().row(i) - displacement.row(i));
   }

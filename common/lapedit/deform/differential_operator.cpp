@@ -39,7 +39,7 @@ Eigen::VectorXd divisor_of(const Eigen::VectorXd& areas, const Eigen::VectorXd& 
 
 /// Returns M of Lipman et al. 2004, equation (1) and section 3, from non-negative weights: m_ji = -w_ji / D_j.
 SparseMatrix from_weights(const EdgeWeights& weights, const Eigen::VectorXd& sums, const Eigen::VectorXd& divisor) {
-  const IndexLists& neighbours = weights.neighbours;
+  const CompressedRows& neighbours = weights.neighbours;
   Eigen::SparseMatrix<double, Eigen::RowMajor, int> rows(neighbours.rows(), neighbours.rows());
   rows.reserve(static_cast<Eigen::Index>(neighbours.values.size()) + neighbours.rows());
   Checkpoints checkpoints;
@@ -98,7 +98,7 @@ struct Angles {
 /// Calls use(e, b) for each edge, where e is its entry in the row of the lower vertex and b that in the row of the
 /// higher one. Rows are ascending, so each row lists its lower vertices first, in the order of this loop.
 template <class Use>
-void each_edge(const IndexLists& neighbours, const Use& use) {
+void each_edge(const CompressedRows& neighbours, const Use& use) {
   std::vector<int> next(neighbours.offsets.begin(), neighbours.offsets.end() - 1);
   for (int i = 0; i < neighbours.rows(); ++i) {
     for (int e = next[i]; e < neighbours.offsets[i + 1]; ++e) {
@@ -172,7 +172,7 @@ class EdgeSums {
 
 /// Returns w_ji = max(0, (cot a + cot b) / 2), where a and b are the angles opposite to edge ji.
 EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, ThreadPool& pool) {
-  const IndexLists& neighbours = region.neighbours;
+  const CompressedRows& neighbours = region.neighbours;
   EdgeWeights result =
       EdgeSums(region, pool).sum(mesh, [](const Angles& angles, int corner) { return 0.5 * angles.cotangent(corner); });
   std::vector<double>& weights = result.values;
@@ -196,7 +196,7 @@ EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, Th
 }
 
 /// Sets both directions of each edge to the larger of their weights.
-void make_symmetric(const IndexLists& neighbours, std::vector<double>& weights) {
+void make_symmetric(const CompressedRows& neighbours, std::vector<double>& weights) {
   each_edge(neighbours,
             [&weights](int e, int back) { weights[e] = weights[back] = std::max(weights[e], weights[back]); });
 }
@@ -324,7 +324,7 @@ DifferentialOperator differential_operator(LaplacianKind kind, const Region& reg
   result.divisor = kind == LaplacianKind::Surface ? divisor_of(weights.areas, sums) : sums;
   result.mean = kind == LaplacianKind::Surface ? kMeanDivisor : sums.mean();
   result.matrix = from_weights(weights, sums, result.divisor);
-  const IndexLists& neighbours = weights.neighbours;
+  const CompressedRows& neighbours = weights.neighbours;
   for (int j = 0; !weights.uniform.empty() && j < region.size(); ++j) {
     for (int e = neighbours.offsets[j]; e < neighbours.offsets[j + 1]; ++e) {
       const int other = neighbours.values[e];

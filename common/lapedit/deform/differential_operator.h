@@ -38,7 +38,7 @@ const char* name(LaplacianKind kind);
 
 /// Weights w_ji >= 0 before rows are divided by D.
 struct EdgeWeights {
-  IndexLists neighbours;       ///< region.neighbours; of LaplacianKind::Surface those of the intrinsic triangulation
+  CompressedRows neighbours;   ///< region.neighbours; of LaplacianKind::Surface those of the intrinsic triangulation
   std::vector<double> values;  ///< one per entry of neighbours
   std::vector<char> uniform;   ///< marks entries without usable faces, which have the weight of an equilateral mesh;
                                ///< umbrella and surface: empty

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "lapedit/base/thread_pool.h"
+#include "lapedit/deform/geodesic_falloff.h"
 #include "lapedit/deform/group_paths.h"
 #include "lapedit/deform/rest_pose.h"
-#include "lapedit/mesh/geodesic_falloff.h"
 
 namespace lapedit {
 

@@ -181,7 +181,7 @@ std::vector<Matrix3> surface_rotations(const Region& region, const Points& befor
   });
   covariances.average(region.neighbours, kAveragings, pool);
   std::vector<Matrix3> rotations(n);
-  // The surface beyond the rim does not rotate, so rotations fade out across the anchors.
+  // The surface beyond the boundary does not rotate, so rotations fade out across the anchors.
   in_pieces(pool, n, kGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const double hold = region.anchor_depth.empty() ? 0 : smooth_step(region.anchor_depth[i]);

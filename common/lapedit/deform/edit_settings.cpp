@@ -85,7 +85,7 @@ const std::vector<Setting>& settings_table() {
         row<&S::handle_weight>(Kind::Number, "handle_weight", "handle weight", kWeights, kLightest, kHeaviest,
                                "How strongly the handle is drawn to its target, 0.000001 to 1000000."),
         row<&S::anchor_weight>(Kind::Number, "anchor_weight", "anchor weight", kWeights, kLightest, kHeaviest,
-                               "How strongly the band inside the rim is held in place, 0.000001 to 1000000."),
+                               "How strongly the band inside the boundary is held in place, 0.000001 to 1000000."),
         iterations,
         radius,
         rough};

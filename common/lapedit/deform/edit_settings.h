@@ -35,7 +35,7 @@ struct EditSettings {
   LaplacianKind laplacian = LaplacianKind::Surface;
   int order = 1;  ///< EditMethod::Default has order 1 only
   /// Cost of stretching against bending, see membrane_factor(). 0: none, the paper's choice. The effect of values above
-  /// 1000 is visible at the region's rim.
+  /// 1000 is visible at the region's boundary.
   double membrane = 500;
   /// Weight of handle constraints; equations of differential coordinates weigh 1. Without a membrane 10 suffices. With
   /// it, 30 keeps a single vertex within 0.02 to 0.1 % of its displacement from its target.
@@ -54,7 +54,6 @@ struct EditSettings {
 /// How the equations are solved. The result does not depend on it.
 struct SolverOptions {
   int threads = 0;  ///< 0: number of processors
-  CholeskyBackend backend = CholeskyBackend::Supernodal;
 };
 
 bool operator==(const EditSettings& a, const EditSettings& b);

@@ -56,7 +56,7 @@ double FrameRotations::tie(int i, int j, const Vector3& n0, double least) const 
 }
 
 bool FrameRotations::has_moving_tie(int i, const Vector3& n0, double least) const {
-  const IndexLists::Row ring = region_.neighbours[i];
+  const CompressedRows::Row ring = region_.neighbours[i];
   return std::any_of(ring.begin(), ring.end(), [&](int j) {
     return tie(i, j, n0, least) > 0 && before_.row(j) - before_.row(i) != after_.row(j) - after_.row(i);
   });

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lapedit/base/index_lists.h"
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/base/types.h"
 
 namespace lapedit {
@@ -16,7 +16,7 @@ namespace lapedit {
 /// discrete Laplace-Beltrami operator for simplicial surfaces, 2007; N. Sharp, K. Crane, A Laplacian for nonmanifold
 /// triangle meshes, SGP 2020 (mollified lengths).
 struct SurfaceLaplacian {
-  IndexLists neighbours;        ///< per vertex, ascending; each edge in both rows; no edges of weight 0
+  CompressedRows neighbours;    ///< per vertex, ascending; each edge in both rows; no edges of weight 0
   std::vector<double> weights;  ///< w_ij > 0, one per entry of neighbours, the same in both rows
   Eigen::VectorXd areas;        ///< per vertex, at least 0; they sum to the surface's area; 0 without faces
 };

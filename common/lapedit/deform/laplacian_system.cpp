@@ -31,8 +31,8 @@ bool same_graph(const Region& a, const Region& b) {
 }
 
 /// Returns the graph of an operator.
-IndexLists graph_of(const OperatorRows::Rows& rows) {
-  IndexLists graph;
+CompressedRows graph_of(const OperatorRows::Rows& rows) {
+  CompressedRows graph;
   graph.values.reserve(static_cast<std::size_t>(rows.nonZeros()));
   for (int i = 0; i < rows.rows(); ++i) {
     for (OperatorRows::Rows::InnerIterator entry(rows, i); entry; ++entry) {
@@ -158,10 +158,8 @@ bool Preparation::is_sharp() const {
 
 bool Preparation::factor_fits() const {
   // A factor that had to be in double precision for another handle may be in single precision for this one.
-  return operator_reused_ && previous_->options.backend == s_.options.backend &&
-         previous_->matrix->squared_weights == factor_weights_ &&
-         (s_.settings.order > 1 || is_sharp() || s_.options.backend == CholeskyBackend::Eigen ||
-          previous_->matrix->cholesky.single_precision());
+  return operator_reused_ && previous_->matrix->squared_weights == factor_weights_ &&
+         (s_.settings.order > 1 || is_sharp() || previous_->matrix->cholesky.single_precision());
 }
 
 void Preparation::make_factor_and_kernel() {
@@ -206,16 +204,11 @@ bool Preparation::factorise(bool reuse) {
   refuse_the_hopeless();
   // In single precision a solution has five digits; refining it costs less than the memory of a factor in double
   // precision.
-  bool has_double = false;
-  if (s_.settings.order == 1 && !is_sharp()) {
-    make_factor(true);
-    if (make_sure()) {
-      return false;
+  for (const bool single_precision : {true, false}) {
+    if (single_precision && (s_.settings.order > 1 || is_sharp())) {
+      continue;
     }
-    has_double = !s_.matrix->cholesky.single_precision();  // some backends have double precision only
-  }
-  if (!has_double) {
-    make_factor(false);
+    make_factor(single_precision);
     if (make_sure()) {
       return false;
     }
@@ -248,7 +241,6 @@ void Preparation::refuse_the_hopeless() const {
 
 CholeskyOptions Preparation::cholesky_options(bool single_precision) const {
   CholeskyOptions options;
-  options.backend = s_.options.backend;
   options.single_precision = single_precision;
   options.pool = s_.pool;
   options.order = *s_.order;
@@ -259,7 +251,6 @@ void Preparation::make_factor(bool single_precision) {
   s_.matrix.reset();  // frees the old factor first, so that two never exist at once
   CholeskyOptions options = cholesky_options(single_precision);
   if (order_reused_ && previous_->settings.order == s_.settings.order &&
-      previous_->options.backend == s_.options.backend &&
       same_pattern(previous_->powers.m->rows(), s_.powers.m->rows())) {
     options.same_pattern = &previous_->matrix->cholesky;
   }

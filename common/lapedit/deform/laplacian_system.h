@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "lapedit/deform/edit_settings.h"
+#include "lapedit/deform/geodesic_falloff.h"
 #include "lapedit/deform/rest_pose.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/linear.h"
-#include "lapedit/mesh/geodesic_falloff.h"
 
 namespace lapedit {
 

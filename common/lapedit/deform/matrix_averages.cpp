@@ -13,7 +13,7 @@ constexpr int kStride = 12;
 using Lanes = Doubles4;
 
 struct MeanAround {
-  const IndexLists& neighbours;
+  const CompressedRows& neighbours;
   const double* in;
   double* out;
 
@@ -36,7 +36,7 @@ struct MeanAround {
 
 }  // namespace
 
-void MatrixAverages::average(const IndexLists& neighbours, int rounds, ThreadPool& pool) {
+void MatrixAverages::average(const CompressedRows& neighbours, int rounds, ThreadPool& pool) {
   constexpr int kGrain = 1024;
   const auto count = static_cast<int>(current_.size() / kStride);
   for (int round = 0; round < rounds; ++round) {

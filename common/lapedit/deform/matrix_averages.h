@@ -24,7 +24,7 @@ class MatrixAverages {
 
   /// Replaces each matrix by the mean of its own and its neighbours', `rounds` times. The bits are the same for any
   /// number of threads and on every processor; nothing is allocated. Cost: O(edges) per round.
-  void average(const IndexLists& neighbours, int rounds, ThreadPool& pool);
+  void average(const CompressedRows& neighbours, int rounds, ThreadPool& pool);
 
  private:
   static constexpr int kStride = 12;  // three vectors of four

@@ -22,7 +22,7 @@ constexpr double kMeanDivisor = 4;
 ///
 /// makes the ratio of the two energies membrane / s^2 for any triangulation. s is the region's size: sqrt(2) times the
 /// root mean square distance from the centroid, by area, which is the radius of a disc. Stretching then spreads over
-/// the whole region except a length of s / sqrt(membrane) around handles and rim, where bending keeps the surface
+/// the whole region except a length of s / sqrt(membrane) around handles and boundary, where bending keeps the surface
 /// smooth. That length is at least half an edge, so that handles reach their targets in coarse regions too. Neither
 /// handle nor anchors enter, so the next handle can reuse the factor. Source: M. Botsch, O. Sorkine, On linear
 /// variational surface deformation methods, TVCG 2008, section 3.

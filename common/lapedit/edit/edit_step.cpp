@@ -187,11 +187,11 @@ EditStep welded(EditStep step, const Weld& weld) {
     std::size_t group;
     const Vector3* target;
   };
-  std::map<int, Named> named;  // by the first vertex at the position, see Weld
+  std::map<int, Named> named;  // by the representative, see Weld
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
     HandleGroup& group = step.handles[g];
     std::vector<int> first = group.vertices;
-    weld.to_first(first);
+    weld.to_representatives(first);
     for (std::size_t k = 0; k < first.size(); ++k) {
       const Vector3* const target = k < group.targets.size() ? &group.targets[k] : nullptr;
       const Named& other = named.emplace(first[k], Named{group.vertices[k], g, target}).first->second;
@@ -210,13 +210,13 @@ EditStep welded(EditStep step, const Weld& weld) {
     }
   }
   for (HandleGroup& group : step.handles) {
-    weld.to_first(group.vertices);
+    weld.to_representatives(group.vertices);
   }
-  weld.to_first(step.region.vertices);
-  weld.to_first(step.region.held);
-  weld.to_first(step.region.anchors.vertices);
+  weld.to_representatives(step.region.vertices);
+  weld.to_representatives(step.region.held);
+  weld.to_representatives(step.region.anchors.vertices);
   if (step.fit) {
-    weld.to_first(step.fit->exclude);
+    weld.to_representatives(step.fit->exclude);
   }
   return step;
 }

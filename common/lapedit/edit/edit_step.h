@@ -9,10 +9,10 @@
 
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/handle_transform.h"
+#include "lapedit/edit/vertex_transfer.h"
 #include "lapedit/fit/fit.h"
 #include "lapedit/mesh/region.h"
 #include "lapedit/mesh/symmetry.h"
-#include "lapedit/mesh/vertex_transfer.h"
 #include "lapedit/mesh/weld.h"
 
 namespace lapedit {
@@ -101,7 +101,7 @@ void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& ta
 /// @throws EditError (BadParameter) if a group of one vertex is to be rotated or scaled without a center
 void check_handles(const EditStep& step);
 
-/// Returns the step with the first vertices of the places that it names.
+/// Returns the step with the representatives of the vertices that it names.
 /// @throws EditError (BadParameter) if vertices at one place are in different groups or have different targets
 EditStep welded(EditStep step, const Weld& weld);
 

@@ -22,7 +22,7 @@ class MirroredHandles {
  public:
   /// @param groups  mesh vertex numbers, ascending without duplicates; @param weights  of each group, or none
   /// @throws EditError (NoHandle, BadIndex; BadParameter if a vertex has no vertex near its mirrored position)
-  /// Cost: O(vertices), once.
+  /// Cost: O(vertices log vertices), once.
   MirroredHandles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, const MirrorPlane& plane,
                   const std::vector<std::vector<double>>& weights = {});
 

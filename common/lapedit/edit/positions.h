@@ -28,7 +28,7 @@ Edit in_space(Edit edit, const std::string& mesh_space);
 /// @throws EditError (BadParameter, NotFinite) if a point is far from the surface or not finite; (NoHandle) if
 ///         nothing is selected; (BadParameter) if two points with targets are nearest to one vertex; (MeshMismatch) if
 ///         a position is too far away
-/// Cost: O(vertices + faces) where there is a query or position, else none.
+/// Cost: O(n log n) where there is a query or position, else none.
 Edit located(const TriangleMesh& mesh, const Adjacency& adjacency, Edit edit, const SelectedVertices& selection = {});
 
 /// Returns the edit with the positions of the vertices that its steps name and of the neighbours of vertex sets. If

@@ -26,7 +26,7 @@ class PreparedStep {
   /// @throws EditError as find_region(), motions_of() and StepSolver, or fit_step()
   void prepare(const Adjacency& adjacency, double fraction, const LaplacianSystem* previous = nullptr);
 
-  /// Returns the step with all groups, mirror images included, on first vertices.
+  /// Returns the step with all groups, mirror images included, on representatives.
   const EditStep& step() const { return step_; }
   /// Requires prepare(), and a step without a fit.
   const Region& region() const { return solver_->region(); }

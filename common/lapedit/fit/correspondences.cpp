@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "lapedit/mesh/patch_border.h"
+#include "lapedit/mesh/adjacency.h"
 
 namespace lapedit {
 namespace {

@@ -27,7 +27,7 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
                                double membrane, std::shared_ptr<ThreadPool> pool)
     : region_(region), rest_(rest), size_(size), pool_(std::move(pool)) {
   const int n = region.size();
-  const IndexLists& neighbours = region.neighbours;
+  const CompressedRows& neighbours = region.neighbours;
   refuse_fans(region, 1, std::numeric_limits<int>::max());
   const DifferentialOperator whole = differential_operator(LaplacianKind::MeanValue, region, mesh, true);
   weights_ = edge_weights(LaplacianKind::MeanValue, region, mesh, true, pool_.get()).values;
@@ -98,21 +98,22 @@ void TemplateEnergy::solve_accurately(const Points& right, Points& x) {
 
 void TemplateEnergy::subtract_gradient(const Points& x, Points& right) {
   rows_->apply(x, between_, *pool_);
-  rows_->apply_transposed(between_, product_, *pool_);
+  rows_->apply_left_factor(between_, product_, *pool_);
   right -= length4_ * product_;
 }
 
 void TemplateEnergy::add_rotated(const std::vector<Matrix3>& rotations, double scale, Points& right) {
   constexpr int kPiece = 1024;
-  const IndexLists& neighbours = region_.neighbours;
+  const CompressedRows& neighbours = region_.neighbours;
   if (delta_.rows() == 0) {
     rows_->apply(rest_, delta_, *pool_);
   }
-  // apply_transposed() uses M^T + diag(stretch): subtract its membrane term, which rotates all edges of a vertex alike.
+  // apply_left_factor() uses M^T + diag(stretch): subtract its membrane term, which rotates all edges of a vertex
+  // alike.
   between_.resize(delta_.rows(), 3);
   for_indices(*pool_, region_.size(), kPiece,
               [&](int i) { between_.row(i) = (scale * (rotations[i] * delta_.row(i).transpose())).transpose(); });
-  rows_->apply_transposed(between_, product_, *pool_);
+  rows_->apply_left_factor(between_, product_, *pool_);
   for_indices(*pool_, region_.size(), kPiece, [&](int i) {
     Vector3 sum = Vector3::Zero(), unrotated = Vector3::Zero();
     for (int k = neighbours.offsets[i]; k < neighbours.offsets[i + 1]; ++k) {

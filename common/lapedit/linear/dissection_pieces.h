@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lapedit/base/index_lists.h"
+#include "lapedit/base/compressed_rows.h"
 
 // Shared by nested_dissection.cpp and minimum_vertex_separator.cpp.
 
@@ -23,7 +23,7 @@ constexpr double kMostSeparated = 0.6;
 struct Piece {
   int inner = 0;            ///< vertices 0 .. inner - 1 are to be ordered, the others are ghosts
   std::vector<int> vertex;  ///< their numbers in the whole graph
-  IndexLists next;          ///< first neighbours; a ghost's are inner vertices only
+  CompressedRows next;      ///< first neighbours; a ghost's are inner vertices only
   std::vector<float> at;    ///< coordinates, three each
 
   int size() const { return static_cast<int>(vertex.size()); }

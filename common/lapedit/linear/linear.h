@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "lapedit/base/index_lists.h"
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/base/types.h"
 
@@ -34,8 +34,8 @@ class OperatorRows {
 
   /// out = M x. x and out must be different objects; out keeps its storage if it has the right size. O(entries).
   void apply(const Points& x, Points& out, ThreadPool& pool) const;
-  /// out = M^T x, likewise.
-  void apply_transposed(const Points& x, Points& out, ThreadPool& pool) const;
+  /// out = (M^T + diag(stretch)) x, likewise: the left factor of the normal matrix.
+  void apply_left_factor(const Points& x, Points& out, ThreadPool& pool) const;
 
   /// Returns the lower half of M^T M + diag(stretch) M + diag(diagonal), compressed and sorted: symmetric, and positive
   /// semidefinite if the diagonals are not negative. O(sum of squared row lengths).
@@ -46,9 +46,8 @@ class OperatorRows {
   /// Returns the rows with more than kLongRow entries, ascending; none if there are more than kMostLongRows.
   std::vector<int> long_rows() const;
 
-  /// Returns M by columns, with diag(stretch) added: its columns are the rows of M^T + diag(stretch). Valid as long as
-  /// this object.
-  Eigen::Map<const SparseMatrix> matrix() const;
+  /// Returns M + diag(stretch), whose columns are the rows of the left factor. Valid as long as this object.
+  Eigen::Map<const SparseMatrix> stretched() const;
   const Rows& rows() const { return rows_; }
 
  private:
@@ -64,21 +63,15 @@ class OperatorRows {
 /// fill than its own coordinates, and an edited shape keeps its order and its factor. Hubs (kLongRow) come last.
 /// @param threads  at most this many (0: all of the machine's); the order does not depend on it
 /// Cost: as for nested_dissection().
-std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads);
+std::vector<int> fill_reducing_ordering(const CompressedRows& neighbours, int threads);
 
 class SparseCholesky;
 
-enum class CholeskyBackend {
-  Supernodal,  ///< fronts, dense kernels and threads; SupernodalSolver solves with it
-  Eigen        ///< Eigen's simplicial LDL^T: slower and simple, the reference
-};
-
 struct CholeskyOptions {
-  CholeskyBackend backend = CholeskyBackend::Supernodal;
   /// Elimination order: order[k] is the row eliminated k-th. Empty: approximate minimum degree.
   std::vector<int> order;
   /// Keeps the factor in single precision: half the memory and twice the speed, and solutions with a relative error of
-  /// about 1e-5, to be refined. The Eigen backend uses double.
+  /// about 1e-5, to be refined.
   bool single_precision = false;
   /// Empty: the caller's thread alone.
   std::shared_ptr<ThreadPool> pool;
@@ -91,12 +84,9 @@ struct CholeskyOptions {
 /// Other layers use factorisations through this class only.
 class SparseCholesky {
  public:
-  struct Impl;
-
   /// @param matrix  compressed; both halves or the lower one: only the lower one is read
   /// @throws EditError (IllConditioned) if the matrix is not positive definite to working precision
-  explicit SparseCholesky(const SparseMatrix& matrix, CholeskyBackend backend = CholeskyBackend::Supernodal);
-  SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options);
+  explicit SparseCholesky(const SparseMatrix& matrix, const CholeskyOptions& options = {});
   /// Shares the immutable factor of another object, with scratch memory that is not shared, so that both can solve
   /// concurrently, each with its own pool (null: on the caller's thread), with the same bits. O(n).
   SparseCholesky(const SparseCholesky& other, std::shared_ptr<ThreadPool> pool);
@@ -110,14 +100,11 @@ class SparseCholesky {
 
   /// Elimination order: row order()[k] is the k-th.
   const std::vector<int>& order() const;
-
   bool single_precision() const;
-  const char* backend_name() const;
-  /// Returns whether the analysis of CholeskyOptions::same_pattern was reused.
-  bool analysis_reused() const;
   std::size_t factor_nonzeros() const;
 
  private:
+  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 

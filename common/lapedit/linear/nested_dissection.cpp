@@ -434,7 +434,7 @@ void dissect(Piece piece, int* order, int threads, Scratch& scratch) {
 /// Computes the number of edges from a vertex to each vertex; if vertices remain, continues from the lowest unreached
 /// one.
 /// @return the last vertex reached
-int count_edges(const IndexLists& neighbours, int from, std::vector<int>& count, std::vector<int>& queue) {
+int count_edges(const CompressedRows& neighbours, int from, std::vector<int>& count, std::vector<int>& queue) {
   count.assign(neighbours.rows(), -1);
   queue.assign(1, from);
   count[from] = 0;
@@ -462,7 +462,7 @@ int count_edges(const IndexLists& neighbours, int from, std::vector<int>& count,
 
 }  // namespace
 
-std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads) {
+std::vector<int> nested_dissection(const CompressedRows& neighbours, const Points& points, int threads) {
   const int n = neighbours.rows();
   std::vector<int> order(n);
   if (n == 0) {
@@ -486,7 +486,7 @@ std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& p
   return order;
 }
 
-std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int threads) {
+std::vector<int> fill_reducing_ordering(const CompressedRows& neighbours, int threads) {
   constexpr int kWorthwhile = 20000;  // measured with tests/scripts/speed.sh
   const int n = neighbours.rows();
   if (n < kWorthwhile) {
@@ -498,14 +498,14 @@ std::vector<int> fill_reducing_ordering(const IndexLists& neighbours, int thread
   for (int v = 0; v < n && !has_hubs; ++v) {
     has_hubs = is_hub(v);
   }
-  IndexLists without;
+  CompressedRows without;
   for (int v = 0; has_hubs && v < n; ++v) {
-    const IndexLists::Row row = neighbours[v];
+    const CompressedRows::Row row = neighbours[v];
     std::copy_if(row.begin(), row.end(), std::back_inserter(without.values),
                  [&](int w) { return !is_hub(v) && !is_hub(w); });
     without.offsets.push_back(static_cast<int>(without.values.size()));
   }
-  const IndexLists& graph = has_hubs ? without : neighbours;
+  const CompressedRows& graph = has_hubs ? without : neighbours;
   std::vector<int> first, second, third, queue;
   const int a = count_edges(graph, 0, first, queue);
   const int b = count_edges(graph, a, first, queue);

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lapedit/base/index_lists.h"
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/base/types.h"
 
 namespace lapedit {
@@ -20,6 +20,6 @@ namespace lapedit {
 /// @param threads     to use (0: all of the machine's); the order does not depend on it
 /// @return            order[k] = vertex eliminated k-th
 /// Cost: O(n log n), about 2 microseconds per vertex at 100,000; some 200 bytes per vertex.
-std::vector<int> nested_dissection(const IndexLists& neighbours, const Points& points, int threads = 1);
+std::vector<int> nested_dissection(const CompressedRows& neighbours, const Points& points, int threads = 1);
 
 }  // namespace lapedit

@@ -73,7 +73,7 @@ OperatorRows::OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& st
   }
 }
 
-Eigen::Map<const SparseMatrix> OperatorRows::matrix() const {
+Eigen::Map<const SparseMatrix> OperatorRows::stretched() const {
   if (in_rows_.empty()) {
     return {columns_.rows(),          columns_.cols(),          columns_.nonZeros(),
             columns_.outerIndexPtr(), columns_.innerIndexPtr(), columns_.valuePtr()};
@@ -85,8 +85,8 @@ void OperatorRows::apply(const Points& x, Points& out, ThreadPool& pool) const {
   multiply(rows_, x, out, pool);
 }
 
-void OperatorRows::apply_transposed(const Points& x, Points& out, ThreadPool& pool) const {
-  multiply(matrix(), x, out, pool);
+void OperatorRows::apply_left_factor(const Points& x, Points& out, ThreadPool& pool) const {
+  multiply(stretched(), x, out, pool);
 }
 
 std::vector<int> OperatorRows::long_rows() const {
@@ -103,7 +103,7 @@ std::vector<int> OperatorRows::long_rows() const {
 /// scaled by the entry.
 SparseMatrix OperatorRows::normal_matrix(const Eigen::VectorXd& diagonal, ThreadPool& pool,
                                          const std::vector<int>& without) const {
-  const Eigen::Map<const SparseMatrix> columns = matrix();
+  const Eigen::Map<const SparseMatrix> columns = stretched();
   std::vector<char> is_without(static_cast<std::size_t>(rows_.rows()), 0);
   for (const int row : without) {
     is_without[row] = 1;

@@ -17,7 +17,7 @@ double largest_row(const Points& points) {
 void normal_product(const OperatorRows& m, const Eigen::VectorXd& squared_weights, const Points& x, Points& between,
                     Points& out, ThreadPool& pool) {
   m.apply(x, between, pool);
-  m.apply_transposed(between, out, pool);
+  m.apply_left_factor(between, out, pool);
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     out.row(i) += squared_weights[i] * x.row(i);
   }

@@ -92,12 +92,6 @@ struct Work {
   SolverPose pose;
 };
 
-enum class Answer {
-  Preview,  ///< a frame of a drag, with an invisible error
-  Full,     ///< the exact pose
-  Last      ///< the exact pose with its report
-};
-
 }  // namespace
 
 struct SolverThread::Impl {
@@ -151,7 +145,7 @@ struct SolverThread::Impl {
   // Posing.
   void pose_cells(int mine, bool last);
   bool pose_frame();
-  void solve(int mine, Answer kind);
+  void solve(int mine, bool last);
   void publish_pose(int mine, int serial, Remaining then, const std::shared_ptr<const EditReport>& report = nullptr);
   template <class Change>
   void publish(int mine, const Change& change);
@@ -379,19 +373,18 @@ bool SolverThread::Impl::pose_frame() {
   return true;
 }
 
-void SolverThread::Impl::solve(int mine, Answer kind) {
+/// Publishes the exact pose with its report, or a frame, whose error is invisible. A newer request does not end it;
+/// otherwise requests that come faster than poses would leave none.
+void SolverThread::Impl::solve(int mine, bool last) {
   const Stopwatch watch;
-  // A newer request ends a full pose; otherwise requests that come faster than poses would leave none.
-  const Progress keep_going = [this, mine, kind](double, const char*) {
-    return generation == mine && (kind != Answer::Full || newest == work.serial);
-  };
-  const bool is_frame = kind == Answer::Preview && pose_frame();
+  const Progress keep_going = [this, mine](double, const char*) { return generation == mine; };
+  const bool is_frame = !last && pose_frame();
   const ProgressScope scope(keep_going);
   if (!is_frame) {
     work.pose.positions = work.solver->pose(work.maps);
   }
   work.pose.solve_ms = watch.elapsed();
-  const auto report = kind == Answer::Last ? std::make_shared<const EditReport>(work.solver->report()) : nullptr;
+  const auto report = last ? std::make_shared<const EditReport>(work.solver->report()) : nullptr;
   publish_pose(mine, work.serial, is_frame ? Remaining::Pose : report ? Remaining::Nothing : Remaining::Report, report);
 }
 
@@ -417,6 +410,7 @@ void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
   const Progress keep_going = [this, mine](double, const char*) {
     return generation == mine && newest == work.serial;  // the mouse moves again
   };
+  bool failed = false;
   const std::string error = message_of([&] {
     const ProgressScope scope(keep_going);
     const Stopwatch watch;
@@ -430,14 +424,15 @@ void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
       work.pose.solve_ms = watch.elapsed();
       publish_pose(mine, work.serial, work.solver->settled() ? Remaining::Report : Remaining::Passes);
     } else {
-      solve(mine, Answer::Full);
+      failed = true;
     }
   });
+  failed = failed || !error.empty();
   lock.lock();
-  if (!error.empty() && generation == mine) {
+  if (failed && generation == mine) {
     remaining = Remaining::Nothing;  // the frame has reported the error, or the mouse moves again
   }
-  working = !error.empty();  // run() has to wake callers of busy(), since nothing was published
+  working = failed;  // run() has to wake callers of busy(), since nothing was published
 }
 
 void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
@@ -461,7 +456,7 @@ void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
           *apply_task->mesh, *apply_task->adjacency, apply_task->edit, apply_task->scalar, progress_of(mine)));
       publish(mine, [&] { response.update.applied = results; });
     } else if (exactly) {
-      solve(mine, last ? Answer::Last : Answer::Preview);
+      solve(mine, last);
     } else {
       pose_cells(mine, last);
     }

@@ -2,8 +2,11 @@
 #include "lapedit/mesh/adjacency.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <numeric>
 #include <utility>
 
+#include "lapedit/base/progress.h"
 #include "lapedit/base/thread_pool.h"
 
 namespace lapedit {
@@ -26,8 +29,8 @@ struct Place {
 using VertexQuery = std::vector<std::vector<Place>>;
 
 /// Allocates rows in which the entries of the chunks follow each other, and computes where each chunk writes.
-IndexLists make_rows(VertexQuery& chunks, int rows) {
-  IndexLists lists;
+CompressedRows make_rows(VertexQuery& chunks, int rows) {
+  CompressedRows lists;
   lists.offsets.resize(rows + 1);
   int end = 0;
   for (int row = 0; row < rows; ++row) {
@@ -43,7 +46,7 @@ IndexLists make_rows(VertexQuery& chunks, int rows) {
 }
 
 /// Returns the faces around each vertex.
-IndexLists faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count, const Faces& faces) {
+CompressedRows faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count, const Faces& faces) {
   // A face that names a vertex twice is listed once.
   const auto each_corner = [&faces](int f, const auto& use) {
     const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
@@ -63,7 +66,7 @@ IndexLists faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count,
       each_corner(f, [&](int v) { ++chunks[chunk][v].count; });
     }
   });
-  IndexLists around = make_rows(chunks, vertex_count);
+  CompressedRows around = make_rows(chunks, vertex_count);
   in_chunks(pool, faces.rows(), [&](int chunk, int first, int last) {
     Checkpoints checkpoints;
     for (int f = first; f < last; ++f) {
@@ -76,7 +79,7 @@ IndexLists faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count,
 
 /// Returns the other ends of each vertex's edges. Vertices enter themselves in ascending order into the rows of their
 /// neighbours, so rows are sorted and duplicates are adjacent.
-IndexLists rings(ThreadPool& pool, VertexQuery& chunks, const IndexLists& around, const Faces& faces) {
+CompressedRows rings(ThreadPool& pool, VertexQuery& chunks, const CompressedRows& around, const Faces& faces) {
   const auto each_neighbour = [&](int v, const auto& use) {
     for (const int f : around[v]) {
       const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
@@ -97,7 +100,7 @@ IndexLists rings(ThreadPool& pool, VertexQuery& chunks, const IndexLists& around
       each_neighbour(v, [&](int w) { positions[w] = {positions[w].count + (positions[w].last != v), v}; });
     }
   });
-  IndexLists next = make_rows(chunks, around.rows());
+  CompressedRows next = make_rows(chunks, around.rows());
   in_chunks(pool, around.rows(), [&](int chunk, int first, int last) {
     std::vector<Place>& positions = chunks[chunk];
     Checkpoints checkpoints;
@@ -119,12 +122,12 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
   constexpr int kMostThreads = 4;  // each thread needs its own memory
   ThreadPool pool(vertex_count >= kWorthThreads ? std::min(thread_count(threads), kMostThreads) : 1);
   VertexQuery chunks(pool.threads());
-  IndexLists around = faces_around(pool, chunks, vertex_count, faces);
-  IndexLists next = rings(pool, chunks, around, faces);
+  CompressedRows around = faces_around(pool, chunks, vertex_count, faces);
+  CompressedRows next = rings(pool, chunks, around, faces);
   return {std::move(next), std::move(around)};
 }
 
-int connected_components(const IndexLists& neighbours, std::vector<int>& labels, const std::vector<char>& kinds) {
+int connected_components(const CompressedRows& neighbours, std::vector<int>& labels, const std::vector<char>& kinds) {
   // Builds trees of vertices, each with its lowest vertex as the root. Vertices are visited in ascending order, which
   // is their order in memory.
   const int n = neighbours.rows();
@@ -159,6 +162,74 @@ int connected_components(const IndexLists& neighbours, std::vector<int>& labels,
     labels[v] = root == v ? count++ : labels[root];
   }
   return count;
+}
+
+using Edge = std::pair<unsigned, unsigned>;
+
+std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
+  // Lists the larger ends of edges by their smaller ends.
+  const auto each_edge = [&corners](const auto& call) {
+    Checkpoints checkpoints;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      checkpoints();
+      const unsigned a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
+      if (a != b) {
+        call(std::min(a, b), std::max(a, b));
+      }
+    }
+  };
+  const std::size_t n = corners.empty() ? 0 : *std::max_element(corners.begin(), corners.end()) + std::size_t{1};
+  std::vector<unsigned> end(n + 1, 0);
+  each_edge([&](unsigned a, unsigned) { ++end[a + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<unsigned> larger(end.back());
+  each_edge([&](unsigned a, unsigned b) { larger[end[a]++] = b; });
+  std::vector<Edge> edges;
+  Checkpoints checkpoints;
+  for (std::size_t a = 0, first = 0; a < n; first = end[a++]) {
+    checkpoints();
+    std::sort(larger.begin() + static_cast<std::ptrdiff_t>(first), larger.begin() + end[a]);
+    for (std::size_t i = first; i < end[a]; ++i) {
+      if ((i == first || larger[i - 1] != larger[i]) && (i + 1 == end[a] || larger[i + 1] != larger[i])) {
+        edges.emplace_back(static_cast<unsigned>(a), larger[i]);
+      }
+    }
+  }
+  return edges;
+}
+
+Chains border_of(const std::vector<unsigned>& corners) {
+  const std::vector<Edge> edges = single_edges(corners);
+  // Lists each edge from both ends, to find the next edge at a vertex.
+  std::vector<std::pair<unsigned, std::size_t>> from;
+  from.reserve(2 * edges.size());
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    from.emplace_back(edges[e].first, e);
+    from.emplace_back(edges[e].second, e);
+  }
+  std::sort(from.begin(), from.end());
+  std::vector<char> used(edges.size(), 0);
+  Chains chains;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (used[e]) {
+      continue;
+    }
+    const std::size_t first = chains.vertices.size();
+    unsigned at = edges[e].first;
+    chains.vertices.push_back(at);
+    for (std::size_t next = e; next < edges.size();) {
+      used[next] = 1;
+      at = edges[next].first == at ? edges[next].second : edges[next].first;
+      chains.vertices.push_back(at);
+      next = edges.size();
+      for (auto edge = std::lower_bound(from.begin(), from.end(), std::make_pair(at, std::size_t{0}));
+           edge != from.end() && edge->first == at && next == edges.size(); ++edge) {
+        next = used[edge->second] ? next : edge->second;
+      }
+    }
+    chains.lengths.push_back(static_cast<int>(chains.vertices.size() - first));
+  }
+  return chains;
 }
 
 }  // namespace lapedit

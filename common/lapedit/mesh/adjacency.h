@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <utility>
 #include <vector>
 
-#include "lapedit/base/index_lists.h"
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/mesh/triangle_mesh.h"
 
 namespace lapedit {
 
 /// The neighbours of all vertices of a mesh; built once per mesh, independent of its coordinates.
 struct Adjacency {
-  IndexLists neighbours;  ///< per vertex: the other ends of its edges, ascending, each once
-  IndexLists faces;       ///< per vertex: the faces around it, ascending, each once
+  CompressedRows neighbours;  ///< per vertex: the other ends of its edges, ascending, each once
+  CompressedRows faces;       ///< per vertex: the faces around it, ascending, each once
 };
 
 /// Builds the adjacency. Degenerate faces contribute only edges between different vertices. O(vertices + faces).
@@ -23,6 +24,21 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads = 0)
 /// @param labels  out: per vertex
 /// @param kinds   per vertex, or empty: edges between vertices of different kinds are ignored
 /// @return        the number of components
-int connected_components(const IndexLists& neighbours, std::vector<int>& labels, const std::vector<char>& kinds = {});
+int connected_components(const CompressedRows& neighbours, std::vector<int>& labels,
+                         const std::vector<char>& kinds = {});
+
+/// Concatenated paths along edges; a closed one ends with its first vertex.
+struct Chains {
+  std::vector<unsigned> vertices;
+  std::vector<int> lengths;  ///< vertices of each
+};
+
+/// Returns the edges that belong to exactly one of some faces, as pairs of ascending vertices, ascending.
+/// @param corners  three per face. Cost: O(faces log faces)
+std::vector<std::pair<unsigned, unsigned>> single_edges(const std::vector<unsigned>& corners);
+
+/// Returns the outline of some faces: the edges that belong to exactly one of them, joined to chains. O(faces log
+/// faces)
+Chains border_of(const std::vector<unsigned>& corners);
 
 }  // namespace lapedit

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/attached.h"
+#include "lapedit/mesh/connect.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "lapedit/mesh/geodesic.h"
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
 namespace {
@@ -99,7 +100,7 @@ double winding(const TriangleMesh& mesh, const std::vector<int>& faces, const Ve
 class PieceSearch {
  public:
   PieceSearch(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec, Attached& found)
-      : mesh_(mesh), found_(found), moving_(moving(spec)), grid_(mesh.vertices, moving_) {
+      : mesh_(mesh), found_(found), moving_(moving(spec)) {
     Eigen::AlignedBox3d box;
     std::vector<char> moves(found.distance.size(), 0);
     for (const int v : moving_) {
@@ -130,6 +131,9 @@ class PieceSearch {
       }
     }
     std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    if (!pieces.empty()) {
+      tree_.emplace(mesh_.vertices, moving_);
+    }
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       consider(pieces[k], k < kMostEnclosed);
     }
@@ -196,7 +200,7 @@ class PieceSearch {
     Checkpoints checkpoints;
     for (const int v : piece) {
       checkpoints();
-      const int near = grid_.nearest(mesh_.vertices.row(v).transpose(), kTouches * size_);
+      const int near = tree_->nearest(mesh_.vertices.row(v).transpose(), kTouches * size_);
       if (near >= 0) {
         links.emplace_back(v, near);
       }
@@ -209,7 +213,7 @@ class PieceSearch {
       const auto ends = std::minmax_element(
           piece.begin(), piece.end(), [&](int a, int b) { return mesh_.vertices(a, axis) < mesh_.vertices(b, axis); });
       for (const int v : {*ends.first, *ends.second}) {
-        links.emplace_back(v, grid_.nearest(mesh_.vertices.row(v).transpose()));
+        links.emplace_back(v, tree_->nearest(mesh_.vertices.row(v).transpose()));
       }
     }
     double nearest = kUnreached;
@@ -228,7 +232,7 @@ class PieceSearch {
   const TriangleMesh& mesh_;
   Attached& found_;
   std::vector<int> moving_;  // the moving part: the region without its band
-  VertexGrid grid_;
+  std::optional<VertexTree> tree_;
   std::vector<int> faces_;  // of the moving part
   Eigen::AlignedBox3d box_;
   double size_ = 0;

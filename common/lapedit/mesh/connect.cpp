@@ -11,8 +11,8 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/geodesic.h"
-#include "lapedit/mesh/patch_border.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_tree.h"
 #include "lapedit/mesh/visibility.h"
@@ -40,7 +40,7 @@ int largest_label(const std::vector<int>& labels, int count) {
 
 /// Returns which faces have to be flipped so that those that share an edge of two faces agree with the first one.
 /// @param neighbours  with the edges of the faces. Cost: O(faces)
-std::vector<char> flips_of(const Faces& faces, const IndexLists& neighbours) {
+std::vector<char> flips_of(const Faces& faces, const CompressedRows& neighbours) {
   struct Edge {
     int count = 0;
     std::array<int, 2> sides{};  // 3 * face + corner where it begins
@@ -48,7 +48,7 @@ std::vector<char> flips_of(const Faces& faces, const IndexLists& neighbours) {
   std::vector<Edge> edges(neighbours.values.size());
   for (int side = 0; side < static_cast<int>(faces.size()); ++side) {
     const int a = faces(side / 3, side % 3), b = faces(side / 3, (side + 1) % 3);
-    const IndexLists::Row row = neighbours[std::min(a, b)];
+    const CompressedRows::Row row = neighbours[std::min(a, b)];
     const auto found = std::lower_bound(row.begin(), row.end(), std::max(a, b));
     if (found != row.end() && *found == std::max(a, b)) {
       Edge& edge = edges[&*found - neighbours.values.data()];
@@ -85,7 +85,7 @@ std::vector<char> flips_of(const Faces& faces, const IndexLists& neighbours) {
 /// same piece that are near in space but far along the surface, and those on the other side of a wall.
 class LinkSearch {
  public:
-  LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, double gap, const std::vector<char>* allowed);
+  LinkSearch(const TriangleMesh& mesh, const CompressedRows& neighbours, double gap, const std::vector<char>* allowed);
   std::vector<Link> links();
 
  private:
@@ -99,7 +99,7 @@ class LinkSearch {
 
   const TriangleMesh& mesh_;
   const Points& points_;
-  const IndexLists& neighbours_;
+  const CompressedRows& neighbours_;
   double gap_;
   std::vector<int> labels_, usable_, borders_;
   std::vector<char> is_border_, is_open_;  // per vertex; per label: whether it is a sheet
@@ -111,7 +111,7 @@ class LinkSearch {
   Points inwards_;  // normals
 };
 
-LinkSearch::LinkSearch(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
+LinkSearch::LinkSearch(const TriangleMesh& mesh, const CompressedRows& neighbours, double gap,
                        const std::vector<char>* allowed)
     : mesh_(mesh),
       points_(mesh.vertices),
@@ -206,7 +206,7 @@ VertexTree::Found LinkSearch::across_border(int v, const VertexTree& borders, do
     const double radius = search_.distance(reached.back()) / kFar;
     limit = std::min(limit, radius * radius);
   }
-  const IndexLists::Row ring = neighbours_[v];
+  const CompressedRows::Row ring = neighbours_[v];
   return borders.nearest(
       points_.row(v).transpose(), limit, VertexTree::kNoLabel,
       [&](int w) {
@@ -238,14 +238,14 @@ int LinkSearch::across_wall(int v, const VertexTree& tree) {
               hit->point, gap_ * gap_, VertexTree::kNoLabel,
               [&](int w) { return labels_[w] == labels_[v] && inwards_.row(w).dot(inwards) < kOpposite; }, pairs_)
           .vertex;
-  const IndexLists::Row ring = neighbours_[v];
+  const CompressedRows::Row ring = neighbours_[v];
   const bool is_link = to >= 0 && !std::binary_search(ring.begin(), ring.end(), to) &&
                        (points_.row(to).transpose() - position).norm() <= gap_;
   return is_link ? to : -1;
 }
 
 std::vector<Link> LinkSearch::links() {
-  const VertexTree tree(points_, labels_, usable_), borders(points_, labels_, borders_);
+  const VertexTree tree(points_, usable_, &labels_), borders(points_, borders_, &labels_);
   std::vector<Link> links;
   Checkpoints checkpoints;
   const auto add = [&](int from, int to) {
@@ -276,8 +276,8 @@ std::vector<Link> LinkSearch::links() {
 
 }  // namespace
 
-IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<int, int>>& edges) {
-  IndexLists linked;
+CompressedRows with_edges(const CompressedRows& neighbours, const std::vector<std::pair<int, int>>& edges) {
+  CompressedRows linked;
   linked.offsets.reserve(neighbours.offsets.size());
   linked.values.reserve(neighbours.values.size() + edges.size());
   auto edge = edges.begin();
@@ -295,8 +295,8 @@ IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<
   return linked;
 }
 
-IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
-                             const std::vector<char>* allowed) {
+CompressedRows linked_neighbours(const TriangleMesh& mesh, const CompressedRows& neighbours, double gap,
+                                 const std::vector<char>* allowed) {
   if (!(gap > 0 && std::isfinite(gap))) {
     throw EditError(ErrorCause::BadParameter, "Pieces are to be connected over a gap of " + number_text(gap) +
                                                   ": give a finite length greater than 0, or 0 to connect none.")

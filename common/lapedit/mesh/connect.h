@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lapedit/mesh/adjacency.h"
+#include "lapedit/mesh/region.h"
 
 namespace lapedit {
 
@@ -21,10 +22,24 @@ namespace lapedit {
 /// Cost: O(vertices log vertices), however long the gap is. At most some thousand pairs per vertex are looked at, each
 /// of which is a unit of work of checkpoint().
 constexpr int kMostLinks = 3;
-IndexLists linked_neighbours(const TriangleMesh& mesh, const IndexLists& neighbours, double gap,
-                             const std::vector<char>* allowed = nullptr);
+CompressedRows linked_neighbours(const TriangleMesh& mesh, const CompressedRows& neighbours, double gap,
+                                 const std::vector<char>* allowed = nullptr);
 
 /// Returns the neighbours with further edges, given in both directions, ascending.
-IndexLists with_edges(const IndexLists& neighbours, const std::vector<std::pair<int, int>>& edges);
+CompressedRows with_edges(const CompressedRows& neighbours, const std::vector<std::pair<int, int>>& edges);
+
+/// What belongs to a region although the radius or the surface does not lead to it: RegionSpec::tips and pieces.
+struct Attached {
+  std::vector<double> distance;            ///< per mesh vertex, of the whole region; kUnreached outside
+  std::vector<char> is_free;               ///< per mesh vertex: it is no anchor of the band
+  std::vector<std::pair<int, int>> links;  ///< mesh vertices, in both directions, ascending
+  int pieces = 0;                          ///< number of pieces that come along
+};
+
+/// @param distance  per mesh vertex, from the handles; kUnreached outside the region
+/// @param allowed   of a given set one flag per vertex, otherwise empty
+/// Cost: O(mesh) for pieces; tips alone take O(region).
+Attached attached_to(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
+                     std::vector<double> distance, const std::vector<char>& allowed);
 
 }  // namespace lapedit

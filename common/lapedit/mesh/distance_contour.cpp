@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/distance_contour.h"
+#include "lapedit/mesh/geodesic.h"
 
 #include <algorithm>
 #include <utility>

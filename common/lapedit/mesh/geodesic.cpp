@@ -13,7 +13,7 @@ namespace lapedit {
 namespace {
 
 /// Returns the median length of a sample of edges; 0 if none has a finite length.
-double usual_edge(const IndexLists& neighbours, const Points& points) {
+double usual_edge(const CompressedRows& neighbours, const Points& points) {
   constexpr int kSamples = 255;
   std::vector<double> lengths;
   lengths.reserve(kSamples + 1);
@@ -35,7 +35,8 @@ double usual_edge(const IndexLists& neighbours, const Points& points) {
 /// @param distance  function: of a vertex, kUnreached if it is not reached
 /// @return          reached vertices without such a connection, all that are connected to a suspect
 template <class Distance>
-std::vector<int> unconnected(const IndexLists& neighbours, const std::vector<int>& suspects, const Distance& distance) {
+std::vector<int> unconnected(const CompressedRows& neighbours, const std::vector<int>& suspects,
+                             const Distance& distance) {
   using Entry = std::pair<double, int>;
   std::unordered_map<int, int> finder;  // per visited vertex: the suspect from which it was found
   std::vector<char> is_connected;       // per suspect
@@ -145,7 +146,7 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
   return reached_;
 }
 
-ShortestPaths::ShortestPaths(const IndexLists& neighbours, const Points& points)
+ShortestPaths::ShortestPaths(const CompressedRows& neighbours, const Points& points)
     : neighbours_(neighbours), points_(points), search_({neighbours, points}), order_(points.rows(), -1) {}
 
 void ShortestPaths::begin(int from, std::size_t most) {

@@ -20,16 +20,16 @@ constexpr double kUnreached = std::numeric_limits<double>::infinity();
 struct PathGraph {
   /// Edges alone: the distance of Lipman et al. 2004, section 6. The arguments must outlive all users of the graph; row
   /// i of points is vertex i.
-  PathGraph(const IndexLists& edges, const Points& positions) : neighbours(edges), points(positions) {}
+  PathGraph(const CompressedRows& edges, const Points& positions) : neighbours(edges), points(positions) {}
   /// Edges and SurfaceLines: the distance on the surface, up to 8.5 % too long unless faces are thinner than 1:4, and
   /// never too short.
   PathGraph(const TriangleMesh& mesh, const Adjacency& adjacency)
       : PathGraph(adjacency.neighbours, mesh.vertices, mesh.faces, adjacency.faces) {}
   /// @param around  the faces around each vertex
-  PathGraph(const IndexLists& edges, const Points& positions, const Faces& faces, const IndexLists& around)
+  PathGraph(const CompressedRows& edges, const Points& positions, const Faces& faces, const CompressedRows& around)
       : neighbours(edges), points(positions), lines(SurfaceLines(positions, faces, around)) {}
 
-  const IndexLists& neighbours;
+  const CompressedRows& neighbours;
   const Points& points;
   std::optional<SurfaceLines> lines;
 };
@@ -67,7 +67,7 @@ class GeodesicSearch {
 class ShortestPaths {
  public:
   /// Both arguments must outlive the object; row i of points is vertex i of the graph.
-  ShortestPaths(const IndexLists& neighbours, const Points& points);
+  ShortestPaths(const CompressedRows& neighbours, const Points& points);
 
   /// Searches from a vertex. @param most  number of vertices, the nearest ones, that paths are found to
   void begin(int from, std::size_t most = std::numeric_limits<std::size_t>::max());
@@ -75,7 +75,7 @@ class ShortestPaths {
   std::vector<int> to(int vertex) const;
 
  private:
-  const IndexLists& neighbours_;
+  const CompressedRows& neighbours_;
   const Points& points_;
   GeodesicSearch search_;
   std::vector<int> order_;  // in which vertices were reached; undefined for other vertices
@@ -109,5 +109,24 @@ class DistanceField {
   double cutoff_, limit_;  // vertices at this distance are not reached
   std::unique_ptr<std::atomic<double>[]> distance_;
 };
+
+/// Computes the line on the surface where a search's distance equals a radius, straight through each face.
+/// @param reached   the vertices that the search has reached, nearest first
+/// @param segments  out: two rows, the end points, per segment
+/// @param scratch   keeps its memory between calls
+/// Cost: O(vertices within the radius).
+void distance_contour(const TriangleMesh& mesh, const Adjacency& adjacency, const GeodesicSearch& search, double radius,
+                      const std::vector<int>& reached, std::vector<double>& scratch, Points& segments);
+
+/// Returns the radius at which a disc on the surface stops being a protrusion such as an ear, a nose or a limb, model
+/// units; 0 if it is none. With L the length of its border and A its area, L^2 / (4 pi A) is 1 in the plane, falls
+/// while the disc covers a protrusion, and rises where the disc spreads over what that stands on: the first such neck
+/// counts. A disc of more than a quarter of its piece is a trunk and not a protrusion.
+/// @param search    from the middle, up to the largest radius. @param reached  its result, nearest first
+/// @param smallest  necks nearer than this are details
+/// @param whole     area of the piece
+/// Cost: O(what is reached).
+double protrusion_radius(const TriangleMesh& mesh, const Adjacency& adjacency, const GeodesicSearch& search,
+                         const std::vector<int>& reached, double smallest, double largest, double whole);
 
 }  // namespace lapedit

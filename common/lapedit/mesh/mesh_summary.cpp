@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/mesh_summary.h"
+#include "lapedit/mesh/triangle_mesh.h"
 
 #include <algorithm>
 #include <numeric>
 #include <vector>
 
-#include "lapedit/mesh/patch_border.h"
+#include "lapedit/mesh/adjacency.h"
 
 namespace lapedit {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/protrusion.h"
+#include "lapedit/mesh/geodesic.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -12,7 +12,6 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
-#include "lapedit/mesh/attached.h"
 #include "lapedit/mesh/connect.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
@@ -129,7 +128,7 @@ void require_finite(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   for (const int v : vertices) {
     look_at(v);
     if (!given_set) {
-      const IndexLists::Row ring = adjacency.neighbours[v];
+      const CompressedRows::Row ring = adjacency.neighbours[v];
       std::for_each(ring.begin(), ring.end(), look_at);
     }
   }
@@ -218,28 +217,30 @@ void number_vertices(ThreadPool& pool, const Field& field, std::vector<int>& loc
       });
 }
 
-/// Makes the region's graph. @param rim out: one flag per local vertex, whether it has a mesh neighbour outside
+/// Makes the region's graph. @param boundary out: one flag per local vertex, whether it has a mesh neighbour outside
 /// @return whether all neighbours outside have finite coordinates
 bool extract_graph(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency,
-                   const std::vector<int>& local, std::vector<char>& rim, Region& region) {
+                   const std::vector<int>& local, std::vector<char>& boundary, Region& region) {
   std::vector<int>& offsets = region.neighbours.offsets;
   std::vector<int>& values = region.neighbours.values;
   std::atomic<bool> finite{true};
   const bool is_whole = region.size() == region.mesh_vertices;  // no lookup needed then
   at_once(
-      pool, [&] { offsets.resize(region.mesh_vertex.size() + 1); }, [&] { rim.resize(region.mesh_vertex.size()); });
+      pool, [&] { offsets.resize(region.mesh_vertex.size() + 1); },
+      [&] { boundary.resize(region.mesh_vertex.size()); });
   gather(
       pool, region.size(),
       [&](int first, int last) {
         int count = 0;
         for (int i = first; i < last; ++i) {
-          const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+          const CompressedRows::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
           int inside = is_whole ? ring.size() : 0;
           for (int k = 0; !is_whole && k < ring.size(); ++k) {
             inside += local[ring.first[k]] >= 0;
           }
-          rim[i] = inside < ring.size();
-          if (rim[i] && !std::all_of(ring.begin(), ring.end(), [&](int w) { return is_finite(mesh.vertices, w); })) {
+          boundary[i] = inside < ring.size();
+          if (boundary[i] &&
+              !std::all_of(ring.begin(), ring.end(), [&](int w) { return is_finite(mesh.vertices, w); })) {
             finite = false;
           }
           count += inside;
@@ -317,14 +318,14 @@ constexpr int kGrain = 4096;
 
 /// Computes anchor_depth, the depth of each vertex in the anchor band (0 or less outside it, 1 at its far end), and
 /// anchor_weight, the weight of kept anchors (-1 for all others). With d the distance from the handle, b that from the
-/// rim, p the padding, r the radius and d_max the largest d:
+/// boundary, p the padding, r the radius and d_max the largest d:
 ///     grown by a radius:  (d - (1 - p) r) / (p r)
 ///     a given set:        1 - b / (p d_max)
 ///     kept anchors:       as given
 /// @param is_free  per mesh vertex, whether it is excluded from the band; may be empty
 void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
-                       const std::vector<int>& local, const std::vector<char>& rim, const std::vector<char>& is_free,
-                       Region& region) {
+                       const std::vector<int>& local, const std::vector<char>& boundary,
+                       const std::vector<char>& is_free, Region& region) {
   const auto each = [&](const auto& body) {
     in_pieces(pool, region.size(), kGrain, [&body](int first, int last) {
       for (int i = first; i < last; ++i) {
@@ -347,12 +348,12 @@ void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const Adjacen
     std::vector<char> inside(mesh.vertices.rows(), 0);
     for (int i = 0; i < region.size(); ++i) {
       inside[region.mesh_vertex[i]] = 1;
-      if (rim[i]) {
+      if (boundary[i]) {
         seeds.push_back(region.mesh_vertex[i]);
       }
     }
-    const DistanceField from_rim({mesh, adjacency}, seeds, width, &inside, pool);
-    each([&](int i) { depth[i] = width > 0 ? 1 - from_rim[region.mesh_vertex[i]] / width : 0; });
+    const DistanceField from_boundary({mesh, adjacency}, seeds, width, &inside, pool);
+    each([&](int i) { depth[i] = width > 0 ? 1 - from_boundary[region.mesh_vertex[i]] / width : 0; });
   } else if (spec.kind == RegionSpec::Kind::Radius && spec.padding > 0) {
     each([&](int i) {
       depth[i] = (region.distance[i] - (1 - spec.padding) * spec.radius) / (spec.padding * spec.radius);
@@ -373,20 +374,20 @@ void place_anchor_band(ThreadPool& pool, const TriangleMesh& mesh, const Adjacen
 /// @param handles  local vertices, and their groups
 void classify(ThreadPool& pool, const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
               const std::vector<int>& local, const std::vector<std::pair<int, int>>& handles,
-              const std::vector<char>& rim, const std::vector<char>& is_free, Region& region) {
+              const std::vector<char>& boundary, const std::vector<char>& is_free, Region& region) {
   const int n = region.size();
   at_once(
       pool, [&] { region.classes.assign(n, VertexClass::Free); }, [&] { region.group.assign(n, -1); },
       [&] { region.anchor_weight.assign(n, -1); }, [&] { region.anchor_depth.assign(n, 0); });
-  place_anchor_band(pool, mesh, adjacency, spec, local, rim, is_free, region);
+  place_anchor_band(pool, mesh, adjacency, spec, local, boundary, is_free, region);
   in_pieces(pool, n, kGrain, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       double& depth = region.anchor_depth[i];
       double& weight = region.anchor_weight[i];
       const bool kept = weight >= 0;
-      if (rim[i] || depth > kRoundedLength || kept) {
+      if (boundary[i] || depth > kRoundedLength || kept) {
         region.classes[i] = VertexClass::Anchor;
-        depth = rim[i] ? 1 : std::min(depth, 1.0);
+        depth = boundary[i] ? 1 : std::min(depth, 1.0);
         weight = kept ? weight : region.max_distance > 0 ? std::min(1.0, region.distance[i] / region.max_distance) : 1;
       } else {
         depth = weight = 0;
@@ -481,7 +482,7 @@ void find_links(const Adjacency& adjacency, Region& region) {
   Checkpoints checkpoints;
   for (int i = 0; i < region.size(); ++i) {
     checkpoints();
-    const IndexLists::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
+    const CompressedRows::Row ring = adjacency.neighbours[region.mesh_vertex[i]];
     for (const int j : region.neighbours[i]) {
       if (i < j && !std::binary_search(ring.begin(), ring.end(), region.mesh_vertex[j])) {
         region.links.emplace_back(i, j);
@@ -516,7 +517,7 @@ std::vector<char> linkable(const TriangleMesh& mesh, const RegionSpec& spec,
   return flags;
 }
 
-/// Links that leave a given set make no rim, since vertices outside the set do not constrain it.
+/// Links that leave a given set make no boundary, since vertices outside the set do not constrain it.
 Region build_connected(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec,
                        const std::vector<std::vector<int>>& groups, int threads,
                        const std::vector<std::vector<double>>& weights) {
@@ -597,28 +598,29 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   if (given_set) {
     region.left_out = static_cast<int>(std::count(flags.begin(), flags.end(), 1)) - region.size();
   }
-  std::vector<char> rim;
-  const Adjacency linked{attached.links.empty() ? IndexLists() : with_edges(adjacency.neighbours, attached.links), {}};
-  if (!extract_graph(pool, mesh, attached.links.empty() ? adjacency : linked, local, rim, region) && !given_set) {
+  std::vector<char> boundary;
+  const Adjacency linked{attached.links.empty() ? CompressedRows() : with_edges(adjacency.neighbours, attached.links),
+                         {}};
+  if (!extract_graph(pool, mesh, attached.links.empty() ? adjacency : linked, local, boundary, region) && !given_set) {
     require_finite(mesh, adjacency, region.mesh_vertex, false);
   }
   if (!attached.links.empty()) {
     find_links(adjacency, region);
   }
   extract_faces(pool, mesh, adjacency, local, region);
-  classify(pool, mesh, adjacency, spec, local, local_handles, rim, attached.is_free, region);
+  classify(pool, mesh, adjacency, spec, local, local_handles, boundary, attached.is_free, region);
   find_components(local_handles, region);
   take_weights(groups, weights, local, region);
   return region;
 }
 
 std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius) {
-  constexpr double kRim = 0.3;
-  const double rim = std::max(kLeastWeight, kRim / std::max(1.0, static_cast<double>(distances.size())));
+  constexpr double kBoundary = 0.3;
+  const double boundary = std::max(kLeastWeight, kBoundary / std::max(1.0, static_cast<double>(distances.size())));
   std::vector<double> weights;
   weights.reserve(distances.size());
   for (const double distance : distances) {
-    weights.push_back(std::pow(rim, smooth_step(std::clamp(distance / disc_radius, 0.0, 1.0))));
+    weights.push_back(std::pow(boundary, smooth_step(std::clamp(distance / disc_radius, 0.0, 1.0))));
   }
   return weights;
 }
@@ -681,6 +683,60 @@ KeptAnchors anchors_of(const Region& region) {
   }
   anchors.reach = anchors.empty() ? 0 : region.max_distance;
   return anchors;
+}
+
+Region painted_region(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
+                      const std::vector<std::vector<int>>& groups) {
+  Region region;
+  region.mesh_vertex = vertices;
+  region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
+  region.classes.assign(vertices.size(), VertexClass::Free);
+  std::vector<int> position(mesh.vertices.rows(), 0);  // in the region, from 1
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    position[vertices[i]] = static_cast<int>(i) + 1;
+  }
+  const auto local = [&position](int v) { return position[v] - 1; };
+  std::vector<int> corners;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    for (const int w : adjacency.neighbours[vertices[i]]) {
+      if (local(w) < 0) {
+        region.classes[i] = VertexClass::Anchor;
+      }
+    }
+    for (const int f : adjacency.faces[vertices[i]]) {
+      const int a = local(mesh.faces(f, 0));
+      const int b = local(mesh.faces(f, 1));
+      const int c = local(mesh.faces(f, 2));
+      // Each face is listed once, by its lowest corner.
+      if (a >= 0 && b >= 0 && c >= 0 && std::min({a, b, c}) == static_cast<int>(i)) {
+        corners.insert(corners.end(), {a, b, c});
+      }
+    }
+  }
+  for (const std::vector<int>& group : groups) {
+    for (const int v : group) {
+      if (local(v) >= 0) {
+        region.classes[local(v)] = VertexClass::Handle;
+      }
+    }
+  }
+  region.faces = Eigen::Map<const Faces>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  return region;
+}
+
+int held_by_nothing(const Region& region) {
+  std::vector<int> group(region.anchored.size(), -1);
+  std::vector<char> held(region.anchored.begin(), region.anchored.end());
+  for (int i = 0; i < region.size() && !region.anchored.empty(); ++i) {
+    int& first = group[region.component[i]];
+    held[region.component[i]] |= region.group[i] >= 0 && first >= 0 && region.group[i] != first;
+    first = region.group[i] >= 0 ? region.group[i] : first;
+  }
+  int count = 0;
+  for (const int c : region.component) {
+    count += held[c] ? 0 : 1;
+  }
+  return count;
 }
 
 }  // namespace lapedit

@@ -86,7 +86,7 @@ struct Region {
   std::vector<double> anchor_weight;  ///< d / d_max for anchors, 0 for others (paper, section 5)
   /// For anchors: 0 at the inner edge of their band to 1 at the region's end; may be empty.
   std::vector<double> anchor_depth;
-  IndexLists neighbours;        ///< every mesh edge with both ends in the region
+  CompressedRows neighbours;    ///< every mesh edge with both ends in the region
   Faces faces;                  ///< faces with all three corners in the region, local
   std::vector<int> edge_faces;  ///< mesh faces with two or three corners in the region: all that touch a region edge
   double max_distance = 0;      ///< d_max, over the whole region
@@ -106,10 +106,10 @@ struct Region {
 /// Finds and classifies the region.
 ///
 /// Anchors are the vertices farther than (1 - padding) radius from the handle (Kind::Radius), or nearer than padding
-/// times the largest handle distance to the rim (Kind::Vertices), and always the rim: region vertices with a mesh
-/// neighbour outside. Kept anchors replace the band, with their own weights and largest distance. Held vertices are
-/// anchors as well. A handle vertex is never an anchor. The border of the mesh is not a rim. Components of the region
-/// without a handle vertex are excluded.
+/// times the largest handle distance to the boundary (Kind::Vertices), and always the boundary: region vertices with a
+/// mesh neighbour outside. Kept anchors replace the band, with their own weights and largest distance. Held vertices
+/// are anchors as well. A handle vertex is never an anchor. The border of the mesh is no such boundary. Components of
+/// the region without a handle vertex are excluded.
 /// @param groups  handle groups, mesh vertex numbers; a vertex may be in one group only
 /// @param threads  0: as many as the machine has; the region does not depend on it
 /// @param weights   of the groups' vertices, see Region::handle_weight, kLeastWeight to 1; empty lists, or none: 1
@@ -119,9 +119,9 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
                     const std::vector<std::vector<int>>& groups, int threads = 0,
                     const std::vector<std::vector<double>>& weights = {});
 
-/// Returns the weights for a disc that is soft towards its rim: from 1 in its middle smoothly and geometrically down to
-/// 0.3 / N at the rim, N the number of its vertices. A vertex with so small a weight is almost free, so a pull makes a
-/// dome. N is a factor because each vertex of a finer surface has less influence.
+/// Returns the weights for a disc that is soft towards its boundary: from 1 in its middle smoothly and geometrically
+/// down to 0.3 / N at the boundary, N the number of its vertices. A vertex with so small a weight is almost free, so a
+/// pull makes a dome. N is a factor because each vertex of a finer surface has less influence.
 /// @param distances  of the disc's vertices from its centre, model units, from 0 to the radius
 std::vector<double> falloff_weights(const std::vector<double>& distances, double disc_radius);
 
@@ -133,5 +133,13 @@ std::vector<double> largest_weights(const Region& region);
 
 /// Returns the region's anchors, to be kept for the next edit in it.
 KeptAnchors anchors_of(const Region& region);
+
+/// Returns a painted region before its distances are known, with its boundary as anchors. O(region), and one
+/// number per mesh vertex.
+Region painted_region(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
+                      const std::vector<std::vector<int>>& groups);
+
+/// Returns the number of vertices in components without anchors and with one handle group, which would move rigidly.
+int held_by_nothing(const Region& region);
 
 }  // namespace lapedit

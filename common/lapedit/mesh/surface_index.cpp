@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "lapedit/mesh/patch_border.h"
+#include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/surface_measures.h"
 
 namespace lapedit {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "lapedit/base/index_lists.h"
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/base/simd.h"
 #include "lapedit/base/types.h"
 
@@ -30,7 +30,7 @@ namespace lapedit {
 class SurfaceLines {
  public:
   /// The arguments must outlive the object. @param around  the faces around each vertex
-  SurfaceLines(const Points& points, const Faces& faces, const IndexLists& around)
+  SurfaceLines(const Points& points, const Faces& faces, const CompressedRows& around)
       : points_(points), faces_(faces), around_(around) {}
 
   /// Calls offer(end, length of the path, bare) for the lines of a vertex. Its edges must have been tried before.
@@ -51,7 +51,7 @@ class SurfaceLines {
       int face, a, b;
       double to_a, to_b;
     } corners_left[kBatch];
-    const IndexLists::Row faces = around_[vertex];
+    const CompressedRows::Row faces = around_[vertex];
     for (const int* next = faces.begin(); next != faces.end();) {
       const int* const end = next + std::min<std::ptrdiff_t>(kBatch, faces.end() - next);
       int count = 0;
@@ -228,9 +228,9 @@ class SurfaceLines {
   void follow(const Window& window, const Search<Known, Offer>& search) const {
     const int a = window.left.vertex, b = window.right.vertex;
     // Searches the faces around the end that has fewer, since a vertex in the middle of a large fan has many.
-    const IndexLists::Row around_a = around_[a], around_b = around_[b];
+    const CompressedRows::Row around_a = around_[a], around_b = around_[b];
     const bool is_a = around_a.size() <= around_b.size();
-    const IndexLists::Row around = is_a ? around_a : around_b;
+    const CompressedRows::Row around = is_a ? around_a : around_b;
     const int center = is_a ? a : b, other = is_a ? b : a;
     int count = 0, found = -1, end = -1;
     for (const int* next = around.begin(); next != around.end() && count <= kMostBehind;) {
@@ -323,7 +323,7 @@ class SurfaceLines {
 
   const Points& points_;
   const Faces& faces_;
-  const IndexLists& around_;
+  const CompressedRows& around_;
 };
 
 }  // namespace lapedit

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "lapedit/base/thread_pool.h"
+#include "lapedit/base/types.h"
 #include "lapedit/mesh/region.h"
 
 // Measures of the surface of a region, or of a mesh. These functions only read.
@@ -64,5 +67,37 @@ std::vector<ComponentVolume> component_volumes(const Region& region, const Point
 /// Returns whether a rigid motion takes each component to its new positions, within `rounding` (model units) plus 3e-4
 /// of the component's extent, which is too small to be seen. Cost: O(vertices).
 bool moved_rigidly(const Region& region, const Points& before, const Points& after, double rounding);
+
+/// Unit normal of a triangle, and the angles at its corners in radians.
+struct FaceShape {
+  Vector3 normal;
+  std::array<double, 3> angles;
+};
+
+/// Measures a triangle. @return false if it has no area or a corner that is not finite
+bool measure(const std::array<Vector3, 3>& corners, FaceShape& shape);
+
+/// Stretch of a region's edges against the rest pose, for any number of poses.
+class VertexStretch {
+ public:
+  /// @param rest  the whole mesh
+  /// Cost: O(region).
+  VertexStretch(const Region& region, const Points& rest);
+
+  /// Returns per vertex of the region the edge that has changed its length most: new / rest - 1 if it is
+  /// longer, 1 - rest / new if it is shorter, so that twice as long is 1 and half as long -1. Edges of length zero are
+  /// ignored; non-finite values become 0; all values are in [-kMost, kMost].
+  /// @param pose  one row per vertex of the region
+  /// Cost: two visits of each edge; allocates nothing.
+  const std::vector<float>& of(const Points& pose);
+
+  static constexpr float kMost = 1e6F;
+
+ private:
+  std::vector<int> offsets_, ends_;  // edges per vertex
+  std::vector<float> inverse_rest_;  // 1 / length of each at rest, 0 without one
+  std::vector<float> stretch_;
+  ThreadPool pool_;
+};
 
 }  // namespace lapedit

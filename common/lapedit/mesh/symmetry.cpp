@@ -32,7 +32,7 @@ class SymmetrySearch {
   explicit SymmetrySearch(const TriangleMesh& mesh)
       : mesh_(mesh),
         usable_(usable_vertices(mesh)),
-        grid_(mesh.vertices, usable_),
+        tree_(mesh.vertices, usable_),
         box_(bounding_box(mesh.vertices, usable_)) {
     constexpr std::size_t kSample = 2000;
     const std::size_t stride = usable_.size() / kSample + 1;
@@ -58,7 +58,7 @@ class SymmetrySearch {
 
   const TriangleMesh& mesh_;
   std::vector<int> usable_, sample_;
-  VertexGrid grid_;
+  VertexTree tree_;
   Eigen::AlignedBox3d box_;
 };
 
@@ -70,7 +70,7 @@ double SymmetrySearch::error(const MirrorPlane& plane) const {
   double sum = 0, off = 0;
   for (const int v : sample_) {
     const Vector3 position = position_of(mesh_.vertices, v), image = mirror * position;
-    const int near = grid_.nearest(image, limit);
+    const int near = tree_.nearest(image, limit);
     sum += near >= 0 ? (position_of(mesh_.vertices, near) - image).norm() : limit;
     off += (image - position).norm() / 2;
   }
@@ -122,7 +122,7 @@ MirrorPlane SymmetrySearch::refined(const MirrorPlane& plane) const {
   for (const int v : sample_) {
     checkpoints();
     const Vector3 position = position_of(mesh_.vertices, v);
-    const int near = grid_.nearest(mirror * position, limit);
+    const int near = tree_.nearest(mirror * position, limit);
     if (near >= 0) {
       const Vector3 other = position_of(mesh_.vertices, near);
       apart += (other - position) * (other - position).transpose();
@@ -200,7 +200,7 @@ MirrorImages::MirrorImages(const TriangleMesh& mesh, const MirrorPlane& plane)
     : mesh_(mesh),
       usable_(usable_vertices(mesh)),
       mirror_(reflection(plane)),
-      grid_(mesh.vertices, usable_),
+      tree_(mesh.vertices, usable_),
       edge_(mean_edge(mesh)) {
   constexpr double kEdges = 4, kOfDiagonal = 0.02;
   limit_ = std::max(kEdges * edge_, kOfDiagonal * bounding_box(mesh.vertices, usable_).diagonal().norm());
@@ -208,7 +208,7 @@ MirrorImages::MirrorImages(const TriangleMesh& mesh, const MirrorPlane& plane)
 
 int MirrorImages::of(int v) const {
   const Vector3 position = mirror_ * position_of(mesh_.vertices, v);
-  return position.allFinite() ? grid_.nearest(position, limit_) : -1;
+  return position.allFinite() ? tree_.nearest(position, limit_) : -1;
 }
 
 std::vector<MirrorImages::Pairs> MirrorImages::of(const std::vector<std::vector<int>>& sets,
@@ -306,12 +306,12 @@ PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const
     all[i] = i;
   }
   const double limit = kSame * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm();
-  const VertexGrid grid(rest_, all);
+  const VertexTree tree(rest_, all);
   twin_.resize(region.size());
   Checkpoints checkpoints;
   for (int i = 0; i < region.size(); ++i) {
     checkpoints();
-    twin_[i] = grid.nearest(mirror * position_of(rest_, i), limit);
+    twin_[i] = tree.nearest(mirror * position_of(rest_, i), limit);
   }
   const auto alone = [this](int i) { return twin_[i] < 0 || twin_[twin_[i]] != i; };
   if (std::any_of(all.begin(), all.end(), alone)) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lapedit/mesh/region.h"
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
 
@@ -25,7 +25,7 @@ Affine reflection(const MirrorPlane& plane);
 /// Returns the plane of the mesh's best mirror symmetry; `std::nullopt` if the mean distance from the mirrored vertices
 /// to the nearest vertices exceeds 1 % of the bounding box's diagonal. Candidates are the planes normal to the
 /// coordinate axes, which are preferred when equal, and to the axes of inertia, each through the centre of the box and
-/// through the centroid; the best are refined. Deterministic. Cost: O(vertices), some 0.1 s for 100,000.
+/// through the centroid; the best are refined. Deterministic. Cost: O(vertices log vertices), some 0.1 s for 100,000.
 std::optional<MirrorPlane> find_symmetry(const TriangleMesh& mesh);
 
 /// Returns the mean distance from the mirrored positions of the vertices to the nearest vertices, over the bounding
@@ -38,7 +38,7 @@ constexpr double kSymmetric = 0.01;
 /// Mirror images of vertices: of each the vertex nearest to its mirrored position.
 class MirrorImages {
  public:
-  /// @param mesh  must outlive the object. Cost: O(vertices + faces). @throws EditError as reflection()
+  /// @param mesh  must outlive the object. Cost: O(vertices log vertices + faces). @throws EditError as reflection()
   MirrorImages(const TriangleMesh& mesh, const MirrorPlane& plane);
 
   /// Returns the image of a vertex; -1: no vertex is nearer to its mirrored position than four mean edges or 2 % of the
@@ -58,7 +58,7 @@ class MirrorImages {
   const TriangleMesh& mesh_;
   std::vector<int> usable_;
   Affine mirror_;
-  VertexGrid grid_;
+  VertexTree tree_;
   double edge_, limit_;
 };
 

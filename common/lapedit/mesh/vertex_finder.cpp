@@ -9,7 +9,7 @@ VertexFinder::VertexFinder(const TriangleMesh& mesh)
     : mesh_(mesh),
       usable_(usable_vertices(mesh)),
       diagonal_(bounding_box(mesh.vertices, usable_).diagonal().norm()),
-      grid_(mesh.vertices, usable_) {
+      tree_(mesh.vertices, usable_) {
   if (usable_.empty()) {
     throw EditError(ErrorCause::NotFinite,
                     "No vertex of the mesh has three finite coordinates: repair the mesh first.");
@@ -20,7 +20,7 @@ VertexFinder::Found VertexFinder::anywhere(const Vector3& point, const std::stri
   if (!point.allFinite()) {
     throw EditError(ErrorCause::NotFinite, what + " is not finite: give three finite coordinates on the surface.");
   }
-  int vertex = grid_.nearest(point);
+  int vertex = tree_.nearest(point);
   if (vertex < 0) {  // so far away that squared distances overflow
     vertex = usable_.front();
   }

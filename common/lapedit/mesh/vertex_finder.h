@@ -4,7 +4,7 @@
 #include <string>
 
 #include "lapedit/base/error.h"
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
 
@@ -21,7 +21,7 @@ class VertexFinder {
     double distance;  ///< model units
   };
 
-  /// The mesh has to outlive the object. O(vertices + faces). @throws EditError (NotFinite) if no vertex counts
+  /// The mesh has to outlive the object. O(n log n). @throws EditError (NotFinite) if no vertex counts
   explicit VertexFinder(const TriangleMesh& mesh);
 
   /// Largest distance from a vertex, over the bounding box's diagonal, of a point that counts as on the surface.
@@ -41,7 +41,7 @@ class VertexFinder {
   const TriangleMesh& mesh_;
   std::vector<int> usable_;
   double diagonal_;
-  VertexGrid grid_;
+  VertexTree tree_;
 };
 
 /// Returns the vertex nearest to the handle point. @throws EditError as VertexFinder

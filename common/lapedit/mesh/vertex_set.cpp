@@ -38,7 +38,7 @@ int index_in(const std::vector<int>& set, int vertex) {
 std::vector<int> grown(const Adjacency& adjacency, const std::vector<int>& set) {
   std::vector<int> result = set;
   for (const int v : set) {
-    const IndexLists::Row ring = adjacency.neighbours[v];
+    const CompressedRows::Row ring = adjacency.neighbours[v];
     result.insert(result.end(), ring.begin(), ring.end());
   }
   return sorted_set(std::move(result));
@@ -47,7 +47,7 @@ std::vector<int> grown(const Adjacency& adjacency, const std::vector<int>& set) 
 std::vector<int> shrunk(const Adjacency& adjacency, const std::vector<int>& set, const std::vector<int>& keep) {
   std::vector<int> result;
   std::copy_if(set.begin(), set.end(), std::back_inserter(result), [&](int v) {
-    const IndexLists::Row ring = adjacency.neighbours[v];
+    const CompressedRows::Row ring = adjacency.neighbours[v];
     return contains(keep, v) || std::all_of(ring.begin(), ring.end(), [&set](int w) { return contains(set, w); });
   });
   return result;

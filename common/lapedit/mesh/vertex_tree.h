@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -9,21 +10,24 @@
 
 namespace lapedit {
 
-/// A tree of boxes over labelled vertices that finds the nearest one of another label. Boxes with vertices of a single
-/// label are skipped whole, so the cost does not depend on how many vertices of that label are nearer.
+/// A tree of boxes over vertices that finds the nearest one, or the nearest one of another label. Boxes with vertices
+/// of a single label are skipped whole, so the cost does not depend on how many vertices of that label are nearer.
 class VertexTree {
  public:
   static constexpr int kNoLabel = -1;
   static constexpr std::size_t kMostLooks = 1024;
 
   /// @param vertices  with finite coordinates; points and labels are not copied and must outlive the object
+  /// @param labels    per vertex of the mesh; null: all have the same
   /// O(vertices log vertices).
-  VertexTree(const Points& points, const std::vector<int>& labels, std::vector<int> vertices);
+  VertexTree(const Points& points, std::vector<int> vertices, const std::vector<int>* labels = nullptr);
 
   struct Found {
     int vertex = -1;
     double squared;  ///< distance; the limit if no vertex was found
   };
+  /// Returns the vertex nearest to a point, the lowest number of several; -1 if none is within the limit.
+  int nearest(const Vector3& position, double limit = std::numeric_limits<double>::max()) const;
   /// Returns the vertex nearest to a point, the lowest number of several. After kMostLooks vertices, as from the centre
   /// of a sphere, it returns the nearest of those.
   /// @param limit   squared, of the distance
@@ -31,7 +35,8 @@ class VertexTree {
   /// @param accept  bool(int vertex): whether a vertex is considered
   /// @param looks   number of vertices that were looked at is added
   template <class Accept>
-  Found nearest(const Vector3& position, double limit, int except, const Accept& accept, std::size_t& looks) const {
+  Found nearest(const Vector3& position, double limit, int except, const Accept& accept, std::size_t& looks,
+                std::size_t most_looks = kMostLooks) const {
     Found best{-1, limit};
     const auto is_nearer = [&best](double squared, int vertex) {
       return squared < best.squared || (squared == best.squared && (best.vertex < 0 || vertex < best.vertex));
@@ -51,7 +56,7 @@ class VertexTree {
     if (!nodes_.empty()) {
       push(to_box(0));
     }
-    for (const std::size_t last = looks + kMostLooks; open > 0 && looks < last;) {
+    for (const std::size_t last = looks + most_looks; open > 0 && looks < last;) {
       const Open next = stack[--open];
       const Node& node = nodes_[next.node];
       if (!is_nearer(next.squared, node.lowest)) {
@@ -62,7 +67,7 @@ class VertexTree {
           const int v = vertices_[k];
           const double squared = (points_.row(v).transpose() - position).squaredNorm();
           ++looks;
-          if ((labels_[v] != except || except == kNoLabel) && is_nearer(squared, v) && accept(v)) {
+          if ((except == kNoLabel || label(v) != except) && is_nearer(squared, v) && accept(v)) {
             best = {v, squared};
           }
         }
@@ -89,10 +94,11 @@ class VertexTree {
   static double squared_distance(const Vector3& position, const Node& node) {
     return (position.cwiseMax(node.low).cwiseMin(node.high) - position).squaredNorm();
   }
+  int label(int vertex) const { return labels_ ? (*labels_)[vertex] : 0; }
   int build(int first, int last);
 
   const Points& points_;
-  const std::vector<int>& labels_;
+  const std::vector<int>* labels_;
   std::vector<int> vertices_;
   std::vector<Node> nodes_;
 };

@@ -47,30 +47,30 @@ Weld::Weld(const Points& vertices) {
     if (at[entry] < 0) {
       at[entry] = v;
     } else {
-      if (first_.empty()) {
-        first_.resize(static_cast<std::size_t>(n));
-        std::iota(first_.begin(), first_.end(), 0);
+      if (representative_.empty()) {
+        representative_.resize(static_cast<std::size_t>(n));
+        std::iota(representative_.begin(), representative_.end(), 0);
       }
-      first_[static_cast<std::size_t>(v)] = at[entry];
+      representative_[static_cast<std::size_t>(v)] = at[entry];
     }
   }
 }
 
-void Weld::to_first(std::vector<int>& vertices) const {
+void Weld::to_representatives(std::vector<int>& vertices) const {
   for (int& v : vertices) {
-    if (v >= 0 && v < static_cast<int>(first_.size())) {
-      v = first(v);
+    if (v >= 0 && v < static_cast<int>(representative_.size())) {
+      v = representative(v);
     }
   }
 }
 
-std::vector<int> Weld::firsts(std::vector<int> vertices) const {
-  to_first(vertices);
+std::vector<int> Weld::representatives(std::vector<int> vertices) const {
+  to_representatives(vertices);
   return sorted_set(std::move(vertices));
 }
 
 Faces Weld::faces(const Faces& faces) const {
-  return empty() ? faces : Faces(faces.unaryExpr([this](int v) { return first(v); }));
+  return empty() ? faces : Faces(faces.unaryExpr([this](int v) { return representative(v); }));
 }
 
 void Weld::add_others(std::vector<int>& vertices, std::vector<int>& rows) const {
@@ -79,14 +79,14 @@ void Weld::add_others(std::vector<int>& vertices, std::vector<int>& rows) const 
   if (empty()) {
     return;
   }
-  std::vector<int> row_of(first_.size(), -1);
+  std::vector<int> row_of(representative_.size(), -1);
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     row_of[static_cast<std::size_t>(vertices[k])] = static_cast<int>(k);
   }
   vertices.clear();
   rows.clear();
-  for (std::size_t v = 0; v < first_.size(); ++v) {
-    if (const int row = row_of[static_cast<std::size_t>(first_[v])]; row >= 0) {
+  for (std::size_t v = 0; v < representative_.size(); ++v) {
+    if (const int row = row_of[static_cast<std::size_t>(representative_[v])]; row >= 0) {
       vertices.push_back(static_cast<int>(v));
       rows.push_back(row);
     }

@@ -9,22 +9,22 @@
 namespace lapedit {
 
 /// The vertices of a mesh that have equal coordinates, as at seams of texture coordinates, in triangle soups, and where
-/// shells touch. The method takes vertices at the same place as one, the lowest of them, called the first vertex; each
-/// of the others gets its position. Non-finite coordinates equal no others.
+/// shells touch. The method takes vertices at the same place as one, the lowest of them, called the representative;
+/// each of the others gets its position. Non-finite coordinates equal no others.
 class Weld {
  public:
   Weld() = default;  ///< no two vertices at the same place
   /// O(vertices).
   explicit Weld(const Points& vertices);
 
-  bool empty() const { return first_.empty(); }
-  /// Returns the first vertex at the place of a vertex.
-  int first(int vertex) const { return empty() ? vertex : first_[static_cast<std::size_t>(vertex)]; }
-  /// Replaces vertices by the first at their places. Numbers that are no vertices stay.
-  void to_first(std::vector<int>& vertices) const;
-  /// Returns the set of the first vertices.
-  std::vector<int> firsts(std::vector<int> vertices) const;
-  /// Returns faces on first vertices, so that the others have none.
+  bool empty() const { return representative_.empty(); }
+  /// Returns the representative of a vertex.
+  int representative(int vertex) const { return empty() ? vertex : representative_[static_cast<std::size_t>(vertex)]; }
+  /// Replaces vertices by their representatives. Numbers that are no vertices stay.
+  void to_representatives(std::vector<int>& vertices) const;
+  /// Returns the set of the representatives.
+  std::vector<int> representatives(std::vector<int> vertices) const;
+  /// Returns faces on representatives, so that the others have none.
   Faces faces(const Faces& faces) const;
   /// Adds the vertices that are at the places of the given ones.
   /// @param vertices  ascending; unchanged if there are no others
@@ -34,13 +34,13 @@ class Weld {
   void add_others(std::vector<int>& vertices, Points& positions) const;
 
  private:
-  std::vector<int> first_;  // per vertex; empty: each its own
+  std::vector<int> representative_;  // per vertex; empty: each its own
 };
 
 /// The surface of a mesh, as an edit sees it: vertices at the same place are one, and each face counts once.
 struct Joined {
   Weld weld;
-  Faces faces;          ///< on first vertices, see keep_distinct()
+  Faces faces;          ///< on representatives, see keep_distinct()
   Adjacency adjacency;  ///< of these
 };
 

@@ -70,7 +70,7 @@ inline constexpr KeyHelp kKeyHelp[] = {
      "edge; again: about the handle's middle."},
     {DragKey::Brush, DragKey::Brush, "B",
      "Paints the region, no key held; again: the handle; again: what is kept fixed; again: ends painting."},
-    {DragKey::Gizmo, DragKey::Gizmo, "V", "Shows arrows, rings and a knob at the handle, and hides them again."},
+    {DragKey::Gizmo, DragKey::Gizmo, "V", "Shows the gizmo (arrows, rings and a scale handle), and hides it again."},
     {DragKey::Grow, DragKey::Grow, "]", "Grows the region by a ring."},
     {DragKey::Shrink, DragKey::Shrink, "[", "Shrinks the region by a ring."},
     {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Undoes the last step or stroke, exact to the bit."},

@@ -57,7 +57,7 @@ std::string DragSession::message() const {
   }
   text += next_click();
   if (model_.tools.pivot != Pivot::Centroid && !model_.tools.awaits_pivot() && !model_.tools.paint) {
-    text += model_.tools.pivot == Pivot::Rim ? messages::kTurnsAboutRim : messages::kTurnsAboutPoint;
+    text += model_.tools.pivot == Pivot::Boundary ? messages::kTurnsAboutBoundary : messages::kTurnsAboutPoint;
   }
   return text;
 }
@@ -116,11 +116,11 @@ void DragSession::set_settings(const DragSettings& settings) {
   const bool new_discs = disc_radius(settings) != disc_radius(before) || settings.falloff != before.falloff;
   const bool new_settings = settings.padding != before.padding || settings.connect_gap != before.connect_gap ||
                             settings.pieces != before.pieces || settings.edit != before.edit;
-  // They change the last step while it is amendable; the radius only if it is being solved again or has a radius.
-  if (solver_.amendable() && model_.history.can_undo() &&
-      (new_settings || (new_radius && (solver_.in<Amending>() ||
+  // They change the last step while it is adjustable; the radius only if it is being solved again or has a radius.
+  if (solver_.adjustable() && model_.history.can_undo() &&
+      (new_settings || (new_radius && (solver_.in<Adjusting>() ||
                                        model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
-    solver_.amend();
+    solver_.adjust();
     return;
   }
   // The radius applies to regions that were grown by it, also after a step.
@@ -129,7 +129,7 @@ void DragSession::set_settings(const DragSettings& settings) {
       new_radius && selection.has_region && !selection.by_hand && selection.region.kind != RegionSpec::Kind::Component;
   if (regrow) {
     selection = with_radius(solver_.surface(), selection);
-  } else if (new_discs && !solver_.amendable()) {
+  } else if (new_discs && !solver_.adjustable()) {
     selection = with_discs(solver_.surface(), selection);
   } else if (!new_settings) {
     return;
@@ -231,14 +231,14 @@ void DragSession::set_last_step(const HandleTransform& motion, double fraction, 
     model_.refusal = messages::single_vertex(motion.degrees != 0 ? MotionKind::Rotate : MotionKind::Scale,
                                              model_.active_group().front());
   } else {
-    solver_.amend_path(motion, fraction, passing);
+    solver_.adjust_path(motion, fraction, passing);
   }
 }
 
 // --- Region and handles ---------------------------------------------------------------------------------------------
 
 std::string DragSession::warning() const {
-  const bool of_what_is_seen = solver_.in<Dragging>() || solver_.amendable();
+  const bool of_what_is_seen = solver_.in<Dragging>() || solver_.adjustable();
   return of_what_is_seen && model_.refusal.empty() ? solver_.figures().advice : std::string();
 }
 
@@ -268,17 +268,17 @@ bool DragSession::change_region(const Choose& choose) {
 }
 
 void DragSession::set_region(std::vector<int> vertices) {
-  model_.weld.to_first(vertices);
+  model_.weld.to_representatives(vertices);
   change_region([&](const Surface& s, const Selection& now) { return with_region(s, now, std::move(vertices)); });
 }
 
 void DragSession::set_anchors(std::vector<int> vertices) {
-  model_.weld.to_first(vertices);
+  model_.weld.to_representatives(vertices);
   change_region([&](const Surface& s, const Selection& now) { return with_anchors(s, now, std::move(vertices)); });
 }
 
 void DragSession::set_handle(std::vector<int> vertices) {
-  model_.weld.to_first(vertices);
+  model_.weld.to_representatives(vertices);
   change_region([&](const Surface& s, const Selection& now) { return with_handle(s, now, std::move(vertices)); });
 }
 
@@ -319,8 +319,8 @@ void DragSession::inherit(const Inheritance& before) {
   const Edit now = recorded();
   if (now.mesh_vertices == before.recorded.mesh_vertices && now.connectivity == before.recorded.connectivity) {
     Selection painted = before.painted;
-    painted.held = painted.region.held = model_.weld.firsts(std::move(painted.held));
-    painted.region.vertices = model_.weld.firsts(std::move(painted.region.vertices));
+    painted.held = painted.region.held = model_.weld.representatives(std::move(painted.held));
+    painted.region.vertices = model_.weld.representatives(std::move(painted.region.vertices));
     change_region([&painted](const Surface&, const Selection&) { return Choice(std::move(painted)); });
   }
   if (const std::size_t lost = before.recorded.steps.size(); lost > 0) {
@@ -488,7 +488,7 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
       return true;
     case DragKey::Pivot:
       set(&Tools::pivot, model_.tools.pivot == Pivot::Centroid ? Pivot::Point
-                         : model_.tools.pivot == Pivot::Point  ? Pivot::Rim
+                         : model_.tools.pivot == Pivot::Point  ? Pivot::Boundary
                                                                : Pivot::Centroid);
       return true;
     case DragKey::Brush:

@@ -5,12 +5,12 @@
 
 namespace lapedit {
 
-/// How the weight of a handle's disc falls off from its middle to its rim.
+/// How the weight of a handle's disc falls off from its middle to its boundary.
 enum class Falloff {
   Even,    ///< not at all
   Sharp,   ///< at once: a peak
   Smooth,  ///< evenly: a hill
-  Dome     ///< near the rim: a rounded plateau
+  Dome     ///< near the boundary: a rounded plateau
 };
 
 /// Settings of the user, which may change at any time.

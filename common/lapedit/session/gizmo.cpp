@@ -8,7 +8,7 @@
 namespace lapedit {
 namespace {
 
-constexpr double kLengthPixels = 90, kPickPixels = 7, kKnobPixels = 9;
+constexpr double kLengthPixels = 90, kPickPixels = 7, kScalePixels = 9;
 /// Pixels added to the distance from a ring's far half, which other elements cover.
 constexpr double kBehindPixels = 3;
 constexpr double kLeastSine = 0.2;  // of the angle between sight and arrow, or sight and ring's plane
@@ -43,8 +43,8 @@ Vector3 Gizmo::on_ring(int axis, double angle) const {
          kRing * length * (std::cos(angle) * axes.col((axis + 1) % 3) + std::sin(angle) * axes.col((axis + 2) % 3));
 }
 
-Vector3 Gizmo::knob(const Camera& view) const {
-  const double pixels = std::sqrt(0.5) * kKnob * kLengthPixels;
+Vector3 Gizmo::scale_handle(const Camera& view) const {
+  const double pixels = std::sqrt(0.5) * kScale * kLengthPixels;
   return view.beside(center, view.pixel(center) + Vector2(pixels, -pixels));
 }
 
@@ -92,7 +92,7 @@ GizmoElement gizmo_element_at(const Gizmo& gizmo, const Cursor& cursor) {
       element = offered;
     }
   };
-  if (!gizmo.only_arrows && (cursor.pixel - view.pixel(gizmo.knob(view))).norm() < kKnobPixels) {
+  if (!gizmo.only_arrows && (cursor.pixel - view.pixel(gizmo.scale_handle(view))).norm() < kScalePixels) {
     return GizmoElement::Scale;
   }
   for (int axis = 0; axis < 3; ++axis) {

@@ -14,15 +14,15 @@ enum class GizmoAxes {
   Normal  ///< Z along the surface normal at the handle
 };
 
-/// Parts of a gizmo: an arrow moves along an axis, a ring rotates about it, the knob scales.
+/// Parts of a gizmo: an arrow moves along an axis, a ring rotates about it, the scale handle scales.
 enum class GizmoElement { None, MoveX, MoveY, MoveZ, TurnX, TurnY, TurnZ, Scale };
 
-/// Arrows, rings and a knob at a handle group, of constant size on the screen.
+/// Arrows, rings and a scale handle at a handle group, of constant size on the screen.
 ///
 /// A press on the handle's disc stays a free drag: the gizmo's centre is empty, arrows begin at kFree of their length,
-/// and the knob is on the diagonal.
+/// and the scale handle is on the diagonal.
 struct Gizmo {
-  static constexpr double kFree = 0.2, kTip = 1.15, kRing = 0.8, kKnob = 1;  ///< in lengths, from the centre
+  static constexpr double kFree = 0.2, kTip = 1.15, kRing = 0.8, kScale = 1;  ///< in lengths, from the centre
 
   Vector3 center;
   Matrix3 axes;              ///< a right-handed frame, by columns, length 1
@@ -33,8 +33,8 @@ struct Gizmo {
   Vector3 along(int axis, double lengths) const { return center + lengths * length * axes.col(axis); }
   /// Returns a point of a ring, at an angle in radians.
   Vector3 on_ring(int axis, double angle) const;
-  /// Returns the position of the knob, to the upper right in the view.
-  Vector3 knob(const Camera& view) const;
+  /// Returns the position of the scale handle, to the upper right in the view.
+  Vector3 scale_handle(const Camera& view) const;
   /// Returns whether an arrow or a ring is seen well enough to be shown and dragged: an arrow not along the line of
   /// sight, a ring not from the side, where it would cover arrows.
   bool arrow_is_seen(int axis, const Camera& view) const;
@@ -51,7 +51,7 @@ GizmoElement gizmo_element_at(const Gizmo& gizmo, const Cursor& cursor);
 MotionKind kind_of(GizmoElement element);
 /// Returns the axis of an arrow or a ring, 0 to 2; -1 for other elements.
 int axis_number(GizmoElement element);
-/// Returns the unit direction of the element's axis; `std::nullopt` for the knob.
+/// Returns the unit direction of the element's axis; `std::nullopt` for the scale handle.
 std::optional<Vector3> axis_of(const Gizmo& gizmo, GizmoElement element);
 
 }  // namespace lapedit

@@ -139,7 +139,7 @@ const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Poin
   return steps_.back();
 }
 
-const AppliedStep& History::amend(EditStep step, std::vector<int> vertices, Points after, StepPath path) {
+const AppliedStep& History::adjust(EditStep step, std::vector<int> vertices, Points after, StepPath path) {
   undo();
   return apply(std::move(step), std::move(vertices), std::move(after), std::move(path));
 }

@@ -7,8 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "lapedit/mesh/distance_contour.h"
-#include "lapedit/mesh/protrusion.h"
+#include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 
@@ -29,7 +28,7 @@ HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
     : mesh_(mesh),
       adjacency_(adjacency),
       faces_(mesh),
-      grid_(mesh.vertices, usable_vertices(mesh)),
+      tree_(mesh.vertices, usable_vertices(mesh)),
       near_(kOfSize * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm()),
       discs_(mesh, adjacency),
       paths_(adjacency.neighbours, mesh.vertices),
@@ -81,7 +80,7 @@ HoverOutlines HoverSearch::outlines(const HoverQuery& query) {
   const Vector3 position = query.mirror
                                ? Vector3(reflection(*query.mirror) * mesh_.vertices.row(query.vertex).transpose())
                                : Vector3::Zero();
-  const int image = query.mirror && position.allFinite() ? grid_.nearest(position, near_) : -1;
+  const int image = query.mirror && position.allFinite() ? tree_.nearest(position, near_) : -1;
   if (image >= 0) {
     HoverOutlines other;
     other.radius = found.radius;

@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "lapedit/live/background_task.h"
-#include "lapedit/mesh/ray_cast.h"
 #include "lapedit/mesh/symmetry.h"
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_tree.h"
 #include "lapedit/mesh/visibility.h"
 #include "lapedit/session/disc_search.h"
 
@@ -85,7 +84,7 @@ class HoverSearch {
   const TriangleMesh& mesh_;
   const Adjacency& adjacency_;
   Visibility faces_;
-  VertexGrid grid_;
+  VertexTree tree_;
   double near_;  // an image is no farther from its vertex
   DiscSearch discs_;
   ShortestPaths paths_;

@@ -135,7 +135,7 @@ std::string step_applied(std::size_t number, const DragMotion& motion, const std
                      solve_ms);
 }
 
-std::string step_amended(std::size_t number, int region_size, double prepare_ms, double solve_ms) {
+std::string step_adjusted(std::size_t number, int region_size, double prepare_ms, double solve_ms) {
   return format_text(
       "step %zu again with other settings: region of %d vertices, prepared in %.1f ms, solved in %.1f ms", number,
       region_size, prepare_ms, solve_ms);

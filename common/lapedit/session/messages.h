@@ -32,7 +32,7 @@ constexpr const char* kPaints[] = {"Paint the region; Shift removes from it. Esc
                                    "Paint the handle; Shift removes from it. Esc ends painting.",
                                    "Paint the vertices to keep fixed; Shift removes them. Esc ends painting."};
 // Appended to the text unless the pivot is the centroid.
-constexpr const char* kTurnsAboutRim = " A drag turns about the shoulder (edge of the region); Shift moves.";
+constexpr const char* kTurnsAboutBoundary = " A drag turns about the shoulder (edge of the region); Shift moves.";
 constexpr const char* kTurnsAboutPoint = " A drag turns about the point picked; Shift moves.";
 std::string drag_handles(std::size_t moving, std::size_t all);
 std::string large_region(double part);  ///< begins a text
@@ -90,7 +90,7 @@ constexpr const char* kStrokeRedone = "stroke of the brush redone";
 std::string not_possible(const std::string& why);
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
                          double prepare_ms, double solve_ms);
-std::string step_amended(std::size_t number, int region_size, double prepare_ms, double solve_ms);
+std::string step_adjusted(std::size_t number, int region_size, double prepare_ms, double solve_ms);
 std::string edit_applied(std::size_t steps);
 std::string loaded_step_advice(std::size_t number, const std::string& advice);  ///< of a saved edit
 std::string step_changed(std::size_t number, const char* how);                  ///< "undone", "redone"

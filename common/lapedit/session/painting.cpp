@@ -98,7 +98,7 @@ Choice handle_brushed(const Surface& surface, const Selection& selection, const 
 }
 
 /// Returns the selection after a stroke that paints fixed vertices, of this region and of later ones. A stroke that
-/// removes them also removes the region's other anchors there, but never the rim.
+/// removes them also removes the region's other anchors there, but never the boundary.
 Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
   Selection after = selection;
   after.held = add ? united(selection.held, without(patch, selection.handles())) : without(selection.held, patch);

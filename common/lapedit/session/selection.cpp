@@ -195,11 +195,11 @@ void follow_discs(const Surface& surface, Selection& selection) {
     selection.discs.reach =
         std::max(selection.discs.reach, std::min(reach, kLargestHandleFraction * surface.settings.radius));
     if (falloff != Falloff::Even && reach > 0) {
-      const double rim = std::max(reach, radius);
+      const double boundary = std::max(reach, radius);
       for (double& distance : distances) {
-        distance = rim * on_curve(falloff, std::min(distance / rim, 1.0));
+        distance = boundary * on_curve(falloff, std::min(distance / boundary, 1.0));
       }
-      selection.weights[g] = falloff_weights(distances, rim);
+      selection.weights[g] = falloff_weights(distances, boundary);
     }
   }
   if (!counts) {
@@ -210,17 +210,17 @@ void follow_discs(const Surface& surface, Selection& selection) {
   }
 }
 
-Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group) {
+Vector3 middle_of_boundary(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group) {
   const int first = index_in(region.mesh_vertex, group.front());
-  std::vector<int> rim;
+  std::vector<int> boundary;
   for (int i = 0; i < region.size(); ++i) {
     const bool deepest = region.anchor_depth.empty() || region.anchor_depth[i] >= 1;
     const bool same_piece = region.component.empty() || first < 0 || region.component[i] == region.component[first];
     if (region.classes[i] == VertexClass::Anchor && deepest && same_piece) {
-      rim.push_back(region.mesh_vertex[i]);
+      boundary.push_back(region.mesh_vertex[i]);
     }
   }
-  return centroid(mesh.vertices, rim.empty() ? group : rim);
+  return centroid(mesh.vertices, boundary.empty() ? group : boundary);
 }
 
 // --- Clicks on a vertex ---------------------------------------------------------------------------------------------

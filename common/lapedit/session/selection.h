@@ -132,9 +132,9 @@ Selection with_mode(const Selection& selection, HandleMode mode);
 Selection with_next_region(const Selection& selection);
 Choice with_next_group(const Selection& selection);
 
-/// Returns the mean of the anchors at the region's rim on the piece of a group: the shoulder of an arm. The group's
-/// centroid without anchors. O(region).
-Vector3 middle_of_rim(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group);
+/// Returns the mean of the anchors at the region's boundary on the piece of a group: the shoulder of an arm. The
+/// group's centroid without anchors. O(region).
+Vector3 middle_of_boundary(const TriangleMesh& mesh, const Region& region, const std::vector<int>& group);
 
 /// Returns handles and region of a step of a saved edit. @param moved  the groups that it moves
 Selection selection_of(const EditStep& step, const std::vector<int>& moved, const Selection& before,

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "lapedit/mesh/painted_region.h"
+#include "lapedit/mesh/region.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/picking.h"
@@ -78,7 +78,7 @@ Vector3 SessionModel::pivot_position() const {
   if (tools.pivot == Pivot::Point && tools.pivot_vertex >= 0) {
     return mesh().vertices.row(tools.pivot_vertex).transpose();
   }
-  return tools.pivot == Pivot::Rim && region ? middle_of_rim(mesh(), *region, active_group()) : center();
+  return tools.pivot == Pivot::Boundary && region ? middle_of_boundary(mesh(), *region, active_group()) : center();
 }
 
 std::optional<Gizmo> SessionModel::gizmo(const Camera& view) const {

@@ -21,7 +21,7 @@ namespace lapedit {
 /// The centre of rotation and scale.
 enum class Pivot {
   Centroid,  ///< of the active group
-  Rim,       ///< the middle of the region's rim on the group's piece: the shoulder of an arm
+  Boundary,  ///< the middle of the region's boundary on the group's piece: the shoulder of an arm
   Point      ///< a picked vertex; it moves with the surface
 };
 
@@ -69,7 +69,7 @@ struct SessionModel {
   StoredScalar scalar;
   History history;
   std::shared_ptr<const Adjacency> given_adjacency, adjacency;  ///< of history.original(), and of mesh()
-  Weld weld;                                                    ///< of mesh(), whose faces are on first vertices
+  Weld weld;                                                    ///< of mesh(), whose faces are on representatives
   std::function<void(const std::string&)> log;
   FindTargets find_targets;  ///< may be empty
   DragSettings settings;

@@ -85,8 +85,8 @@ bool SessionMouse::grabs(PressModifiers modifiers) const {
 
 /// Returns whether a plain drag of a handle rotates it about the pivot, which keeps the length of a limb.
 bool SessionMouse::turns() const {
-  return !model_.tools.paint &&
-         (model_.tools.pivot_vertex >= 0 || (model_.tools.pivot == Pivot::Rim && model_.shown.region() != nullptr));
+  return !model_.tools.paint && (model_.tools.pivot_vertex >= 0 ||
+                                 (model_.tools.pivot == Pivot::Boundary && model_.shown.region() != nullptr));
 }
 
 /// Handles a press that is not on the gizmo. @return as press()
@@ -252,7 +252,7 @@ GizmoElement SessionMouse::element_at(const std::optional<Gizmo>& gizmo, const C
   return group < 0 || group == model_.selection.active ? element : GizmoElement::None;
 }
 
-/// Handles a press on an arrow, a ring or the knob. @return whether there was one under the cursor
+/// Handles a press on an arrow, a ring or the scale handle. @return whether there was one under the cursor
 bool SessionMouse::press_gizmo(const Cursor& cursor) {
   const std::optional<Gizmo> gizmo = model_.gizmo(cursor.view);
   element_ = element_at(gizmo, cursor);

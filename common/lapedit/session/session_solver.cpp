@@ -18,9 +18,9 @@ using namespace phase;
 SessionSolver::SessionSolver(SessionModel& model, std::function<void()> wake)
     : model_(model), worker_(std::move(wake)) {}
 
-bool SessionSolver::amendable() const {
+bool SessionSolver::adjustable() const {
   const Picked* const picked = in<Picked>();
-  return (picked && picked->amendable) || in<Amending>();
+  return (picked && picked->adjustable) || in<Adjusting>();
 }
 
 Surface SessionSolver::surface() {
@@ -49,11 +49,11 @@ DragFigures SessionSolver::figures() const {
 
 // --- Regions ---------------------------------------------------------------------------------------------------------
 
-void SessionSolver::rest(bool amendable) {
+void SessionSolver::rest(bool adjustable) {
   if (model_.groups().empty()) {
     phase_ = Idle();
   } else {
-    phase_ = Picked{amendable};
+    phase_ = Picked{adjustable};
   }
 }
 
@@ -213,12 +213,12 @@ void SessionSolver::discard() {
   figures_.advice.clear();
   figures_.folds.clear();
   const Loading* const loading = in<Loading>();
-  const bool elsewhere = loading || in<Amending>();  // the worker has prepared another region than the selection's
-  if (const Amending* const amending = in<Amending>(); amending && amending->region) {
-    const std::vector<int>& vertices = amending->region->mesh_vertex;
+  const bool elsewhere = loading || in<Adjusting>();  // the worker has prepared another region than the selection's
+  if (const Adjusting* const adjusting = in<Adjusting>(); adjusting && adjusting->region) {
+    const std::vector<int>& vertices = adjusting->region->mesh_vertex;
     model_.show(vertices, gather(model_.mesh().vertices, vertices), true);
   }
-  rest(loading ? loading->amendable : amendable());
+  rest(loading ? loading->adjustable : adjustable());
   if (std::shared_ptr<const Region> awaited = model_.shown.take_awaited()) {
     model_.back_to_mesh(true);
     model_.show_region(std::move(awaited));
@@ -232,11 +232,11 @@ void SessionSolver::discard() {
 // --- Steps -----------------------------------------------------------------------------------------------------------
 
 std::optional<LastStep> SessionSolver::last_step() const {
-  const Amending* const amending = in<Amending>();
-  if (!amendable() || !model_.history.can_undo()) {
+  const Adjusting* const adjusting = in<Adjusting>();
+  if (!adjustable() || !model_.history.can_undo()) {
     return std::nullopt;
   }
-  const StepPath& path = amending ? amending->path : model_.history.steps().back().path;
+  const StepPath& path = adjusting ? adjusting->path : model_.history.steps().back().path;
   if (path.moved.empty()) {
     return std::nullopt;
   }
@@ -248,17 +248,17 @@ std::optional<LastStep> SessionSolver::last_step() const {
   return LastStep{handle.transform, path.fraction, !handle.targets.empty(), single};
 }
 
-void SessionSolver::begin_amending() {
-  if (!in<Amending>()) {
+void SessionSolver::begin_adjusting() {
+  if (!in<Adjusting>()) {
     const AppliedStep& last = model_.history.steps().back();
-    phase_ = Amending{last.step, model_.history.before_last(), last.path};
+    phase_ = Adjusting{last.step, model_.history.before_last(), last.path};
   }
 }
 
-void SessionSolver::amend() {
-  begin_amending();
+void SessionSolver::adjust() {
+  begin_adjusting();
   const DragSettings& settings = model_.settings;
-  EditStep& step = in<Amending>()->step;
+  EditStep& step = in<Adjusting>()->step;
   step.settings = settings.edit;
   if (step.region.padding != settings.padding) {
     step.region.anchors = KeptAnchors();
@@ -270,54 +270,54 @@ void SessionSolver::amend() {
     step.region.radius =
         std::max(settings.radius - model_.selection.discs.reach, (1 - kLargestHandleFraction) * settings.radius);
   }
-  request_amended(true);
+  request_adjusted(true);
 }
 
-void SessionSolver::amend_path(const HandleTransform& motion, double fraction, bool open) {
-  const bool prepares = !in<Amending>();
-  begin_amending();
-  Amending& amending = *in<Amending>();
-  amending.open = open;
-  amending.path.fraction = fraction;
+void SessionSolver::adjust_path(const HandleTransform& motion, double fraction, bool open) {
+  const bool prepares = !in<Adjusting>();
+  begin_adjusting();
+  Adjusting& adjusting = *in<Adjusting>();
+  adjusting.open = open;
+  adjusting.path.fraction = fraction;
   HandleTransform whole = motion;
-  const std::vector<int>& moved = amending.path.moved;
+  const std::vector<int>& moved = adjusting.path.moved;
   if (moved.size() > 1 && !whole.center && (whole.degrees != 0 || whole.scale != 1)) {
     std::vector<int> vertices;
     for (const int g : moved) {
-      vertices = united(vertices, amending.path.whole[static_cast<std::size_t>(g)].vertices);
+      vertices = united(vertices, adjusting.path.whole[static_cast<std::size_t>(g)].vertices);
     }
-    whole.center = centroid(amending.base->vertices, vertices);
+    whole.center = centroid(adjusting.base->vertices, vertices);
   }
   for (const int g : moved) {
-    HandleGroup& handle = amending.path.whole[static_cast<std::size_t>(g)];
+    HandleGroup& handle = adjusting.path.whole[static_cast<std::size_t>(g)];
     if (handle.targets.empty()) {
       handle.transform = whole;
     }
   }
-  amending.step.handles = path_fraction(amending.path, *amending.base);
-  request_amended(prepares);
+  adjusting.step.handles = path_fraction(adjusting.path, *adjusting.base);
+  request_adjusted(prepares);
 }
 
-void SessionSolver::request_amended(bool prepares) {
-  Amending& amending = *in<Amending>();
-  EditStep written = mirrored(*amending.base, amending.step);
+void SessionSolver::request_adjusted(bool prepares) {
+  Adjusting& adjusting = *in<Adjusting>();
+  EditStep written = mirrored(*adjusting.base, adjusting.step);
   for (std::size_t g = 0; g < written.handles.size(); ++g) {
     sort_group(written.handles[g], g);
   }
   if (prepares) {
     figures_ = DragFigures();
-    amending.region = nullptr;
-    amending.first_serial = std::numeric_limits<int>::max();
-    request_preparation({amending.base, model_.adjacency, written.region, groups_of(written), amending.step.settings,
-                         model_.scalar, weights_of(written), amending.step.mirror});
+    adjusting.region = nullptr;
+    adjusting.first_serial = std::numeric_limits<int>::max();
+    request_preparation({adjusting.base, model_.adjacency, written.region, groups_of(written), adjusting.step.settings,
+                         model_.scalar, weights_of(written), adjusting.step.mirror});
   }
-  amending.serial = worker_.solve(motions_of(*amending.base, written), !amending.open);
-  amending.first_serial = std::min(amending.first_serial, amending.serial);
+  adjusting.serial = worker_.solve(motions_of(*adjusting.base, written), !adjusting.open);
+  adjusting.first_serial = std::min(adjusting.first_serial, adjusting.serial);
 }
 
 /// Shows a pose of the step while changes continue.
-void SessionSolver::show_amended(const Amending& amending) {
-  const std::vector<int>& vertices = amending.region->mesh_vertex;
+void SessionSolver::show_adjusted(const Adjusting& adjusting) {
+  const std::vector<int>& vertices = adjusting.region->mesh_vertex;
   ShownRegion& shown = model_.shown;
   if (shown.region() && shown.region()->mesh_vertex == vertices) {
     shown.pose(solved_.positions);
@@ -330,7 +330,7 @@ void SessionSolver::show_amended(const Amending& amending) {
 void SessionSolver::load(Edit edit) {
   preparation_.running = true;
   worker_.apply({model_.given_mesh(), model_.given_adjacency, edit, model_.scalar});
-  phase_ = Loading{std::move(edit), amendable()};
+  phase_ = Loading{std::move(edit), adjustable()};
 }
 
 void SessionSolver::take_over(bool applied) {
@@ -367,20 +367,20 @@ void SessionSolver::commit_drag() {
   progress();
 }
 
-void SessionSolver::commit_amended() {
-  Amending& amending = std::get<Amending>(phase_);
+void SessionSolver::commit_adjusted() {
+  Adjusting& adjusting = std::get<Adjusting>(phase_);
   History& history = model_.history;
-  const std::shared_ptr<const Region> region = amending.region;
+  const std::shared_ptr<const Region> region = adjusting.region;
   model_.shown.await(nullptr);
   model_.show(history.steps().back().vertices, history.steps().back().before, false);
   EditResult pose = model_.with_others(region->mesh_vertex, solved_.positions);
   const AppliedStep& applied =
-      history.amend(amending.step, std::move(pose.vertices), std::move(pose.positions), std::move(amending.path));
+      history.adjust(adjusting.step, std::move(pose.vertices), std::move(pose.positions), std::move(adjusting.path));
   model_.show(applied.vertices, applied.after, true);
-  model_.log(messages::step_amended(history.steps().size(), region->size(), figures_.prepare_ms.value_or(0),
-                                    figures_.solve_ms.value_or(0)));
+  model_.log(messages::step_adjusted(history.steps().size(), region->size(), figures_.prepare_ms.value_or(0),
+                                     figures_.solve_ms.value_or(0)));
   model_.show_region(region);
-  model_.selection.region = std::move(amending.step.region);
+  model_.selection.region = std::move(adjusting.step.region);
   model_.selection.has_region = true;
   progress();
 }
@@ -395,7 +395,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
     selection = selection_of(applied.step, applied.path.moved, selection, model_.settings);
     Action action{messages::saved_step(applied.step, applied.path.moved), true, selection};
     if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
-      selection = with_vertices(std::move(selection), model_.weld.firsts(applied.vertices), model_.settings);
+      selection = with_vertices(std::move(selection), model_.weld.representatives(applied.vertices), model_.settings);
     }
     action.after = selection;
     model_.timeline.add(std::move(action));
@@ -436,17 +436,17 @@ void SessionSolver::on_error(const std::string& sentence) {
 
 /// @return whether the pose completes a step
 bool SessionSolver::take_pose() {
-  if (const Amending* const amending = in<Amending>()) {
-    if (solved_.serial < amending->first_serial || !amending->region ||
-        solved_.positions.rows() != amending->region->size()) {
+  if (const Adjusting* const adjusting = in<Adjusting>()) {
+    if (solved_.serial < adjusting->first_serial || !adjusting->region ||
+        solved_.positions.rows() != adjusting->region->size()) {
       return false;
     }
     figures_.solve_ms = solved_.solve_ms;
-    if (amending->open || solved_.serial != amending->serial) {
-      show_amended(*amending);
+    if (adjusting->open || solved_.serial != adjusting->serial) {
+      show_adjusted(*adjusting);
       return false;
     }
-    commit_amended();
+    commit_adjusted();
     return true;
   }
   const Dragging* const drag = in<Dragging>();
@@ -477,7 +477,7 @@ bool SessionSolver::take_pose() {
 /// Finds the vertices of a painted region that no handle reaches.
 void SessionSolver::find_unconnected(const Region& region) {
   model_.unconnected.clear();
-  if (region.left_out > 0 && model_.selection.by_hand && !in<Amending>() && !in<Loading>()) {
+  if (region.left_out > 0 && model_.selection.by_hand && !in<Adjusting>() && !in<Loading>()) {
     model_.unconnected = without(sorted_set(model_.selection.region.vertices), region.mesh_vertex);
   }
 }
@@ -487,10 +487,10 @@ SessionSolver::Response SessionSolver::poll() {
   bool step_done = false;
   if (update.region) {
     find_unconnected(*update.region);
-    if (Amending* const amending = in<Amending>()) {
-      amending->region = update.region;
+    if (Adjusting* const adjusting = in<Adjusting>()) {
+      adjusting->region = update.region;
     }
-    if (model_.shown.away() || in<Amending>() || in<Loading>()) {
+    if (model_.shown.away() || in<Adjusting>() || in<Loading>()) {
       model_.shown.await(update.region);
     } else {
       model_.show_region(update.region);

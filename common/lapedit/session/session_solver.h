@@ -25,7 +25,7 @@ struct Idle {};
 
 /// There is a handle.
 struct Picked {
-  bool amendable = false;  ///< settings still apply to the last step
+  bool adjustable = false;  ///< settings still apply to the last step
 };
 
 /// The handle follows the mouse or typed numbers, or its exact result is being solved for after the release.
@@ -43,7 +43,7 @@ struct Dragging {
 };
 
 /// The last step is being solved again with other settings.
-struct Amending {
+struct Adjusting {
   EditStep step;
   std::shared_ptr<const TriangleMesh> base;  ///< the mesh before the step
   StepPath path;
@@ -55,10 +55,10 @@ struct Amending {
 /// The steps of a saved edit are being applied.
 struct Loading {
   Edit edit;
-  bool amendable;  ///< before loading, in case it is cancelled
+  bool adjustable;  ///< before loading, in case it is cancelled
 };
 
-using Phase = std::variant<Idle, Picked, Dragging, Amending, Loading>;
+using Phase = std::variant<Idle, Picked, Dragging, Adjusting, Loading>;
 
 }  // namespace phase
 
@@ -113,8 +113,8 @@ class SessionSolver {
   bool moving() const { return in<phase::Dragging>() && !in<phase::Dragging>()->released; }
   /// Returns whether a step is being solved: until it is applied, only discard() is possible.
   bool waits() const { return in_progress() && !moving(); }
-  bool in_progress() const { return in<phase::Dragging>() || in<phase::Amending>() || in<phase::Loading>(); }
-  bool amendable() const;  ///< settings apply to the last step
+  bool in_progress() const { return in<phase::Dragging>() || in<phase::Adjusting>() || in<phase::Loading>(); }
+  bool adjustable() const;  ///< settings apply to the last step
   Surface surface();
   DragFigures figures() const;
   std::optional<LastStep> last_step() const;
@@ -128,8 +128,8 @@ class SessionSolver {
   void prepare();
   /// Prepares after a change of groups or region.
   void handles_changed();
-  /// Ends a drag or amendment. @param amendable  whether settings still apply to the last step
-  void rest(bool amendable);
+  /// Ends a drag or adjustment. @param adjustable  whether settings still apply to the last step
+  void rest(bool adjustable);
 
   // Drags ------------------------------------------------------------------------------------------------------------
 
@@ -147,10 +147,10 @@ class SessionSolver {
   // Steps ------------------------------------------------------------------------------------------------------------
 
   /// Solves the last step again with the current settings.
-  void amend();
-  /// Solves the last step again with another motion, or a fraction of it; amendable() has to hold.
+  void adjust();
+  /// Solves the last step again with another motion, or a fraction of it; adjustable() has to hold.
   /// @param open  only shows the result: another change follows
-  void amend_path(const HandleTransform& motion, double fraction, bool open);
+  void adjust_path(const HandleTransform& motion, double fraction, bool open);
   void load(Edit edit);
   /// Prepares the region after undone or redone steps. @param applied  whether settings apply to the last step
   void take_over(bool applied);
@@ -165,11 +165,11 @@ class SessionSolver {
   void request_preparation(PrepareTask task);
   void set_targets(phase::Dragging& drag) const;
   bool take_pose();
-  void begin_amending();
-  void request_amended(bool prepares);
-  void show_amended(const phase::Amending& amending);
+  void begin_adjusting();
+  void request_adjusted(bool prepares);
+  void show_adjusted(const phase::Adjusting& adjusting);
   void commit_drag();
-  void commit_amended();
+  void commit_adjusted();
   void commit_loaded(const std::vector<EditResult>& results);
   void progress();
   void find_unconnected(const Region& region);

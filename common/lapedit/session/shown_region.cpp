@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "lapedit/mesh/painted_region.h"
+#include "lapedit/mesh/region.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {

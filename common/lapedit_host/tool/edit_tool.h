@@ -37,7 +37,7 @@ class HostWindow {
  public:
   virtual ~HostWindow() = default;
 
-  virtual QWidget& canvas() = 0;  ///< the OpenGL widget
+  virtual QWidget& viewport() = 0;  ///< the OpenGL widget
   virtual QMainWindow* mainWindow() = 0;
   /// The owner of the layers: ids are unique in it, and it signals its destruction. Null while there is none.
   virtual QObject* document() = 0;
@@ -52,8 +52,8 @@ class HostWindow {
   virtual void uploadGeometry(int layer) = 0;
   virtual void markModified(int layer) = 0;
   virtual void repaint() = 0;
-  /// Returns the largest depth around a pixel of the canvas in the picture that is or was drawn last: 0 to 1, 1 for the
-  /// background.
+  /// Returns the largest depth around a pixel of the viewport in the picture that is or was drawn last: 0 to 1, 1 for
+  /// the background.
   virtual double depthAt(const QPointF& pixel, int around) = 0;
 
   virtual void log(const std::string& line) = 0;

@@ -25,7 +25,7 @@ class HostView final : public HostWindow {
   }
   bool attached() const { return area_ != nullptr; }
 
-  QWidget& canvas() override { return *area_; }
+  QWidget& viewport() override { return *area_; }
   QMainWindow* mainWindow() override { return qobject_cast<QMainWindow*>(area_->window()); }
   bool suspended() override { return area_->suspendedEditor; }
   bool loading() override { return area_->md() != nullptr && area_->md()->isBusy(); }

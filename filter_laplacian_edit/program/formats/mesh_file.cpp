@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "formats/text_reader.h"
-#include "lapedit/mesh/face_shape.h"
+#include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_set.h"
 
 using namespace lapedit;

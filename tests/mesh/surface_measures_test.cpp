@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/vertex_stretch.h"
+#include "lapedit/mesh/surface_measures.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "shapes.h"
 #include "support.h"
 
-namespace lapedit::vertex_stretch_test {
+namespace lapedit::surface_measures_test {
 namespace {
 
 /// The vertices of a mesh from first on, as a region.
@@ -91,4 +91,4 @@ TEST(VertexStretch, AllocatesNothingPerPose) {
 }
 
 }  // namespace
-}  // namespace lapedit::vertex_stretch_test
+}  // namespace lapedit::surface_measures_test

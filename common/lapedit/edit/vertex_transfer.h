@@ -19,7 +19,7 @@ struct VertexPositions {
 /// Finds the vertices of another mesh that replace those of the mesh that an edit was made for.
 class VertexTransfer {
  public:
-  /// All arguments but the finder must outlive the object. O(positions)
+  /// All arguments but the finder must outlive the object. O(positions log positions)
   /// @throws EditError as VertexFinder::on_surface()
   VertexTransfer(const TriangleMesh& mesh, const Adjacency& adjacency, const VertexFinder& finder,
                  const VertexPositions& from);
@@ -41,7 +41,7 @@ class VertexTransfer {
   const VertexPositions& from_;
   Points points_;
   std::vector<int> image_;
-  std::optional<VertexGrid> grid_;
+  std::optional<VertexTree> tree_;
 };
 
 }  // namespace lapedit

@@ -6,8 +6,9 @@
 
 namespace lapedit {
 
-/// Concatenated lists of integers of different lengths: row i is values[offsets[i] .. offsets[i + 1]).
-struct IndexLists {
+/// Lists of integers of different lengths, as compressed sparse rows have them: row i is values[offsets[i] .. offsets[i
+/// + 1]).
+struct CompressedRows {
   struct Row {
     const int* first;
     const int* last;

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/vertex_grid.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 #include <gtest/gtest.h>
+#include <cmath>
 
 #include <limits>
 #include <random>
 
-#include "lapedit/mesh/vertex_tree.h"
+#include "lapedit/mesh/vertex_finder.h"
+#include "shapes.h"
 #include "support.h"
 
-namespace lapedit::vertex_grid_test {
+namespace lapedit::vertex_tree_test {
 namespace {
 
 int nearest_of_all(const Points& points, const std::vector<int>& vertices, const Vector3& position, double limit,
@@ -27,7 +29,7 @@ int nearest_of_all(const Points& points, const std::vector<int>& vertices, const
 }
 
 /// Clouds, planes, lines and lattices full of ties, from positions inside and far outside, with and without a limit.
-TEST(VertexGridAndTree, FindWhatLookingAtAllFinds) {
+TEST(VertexTree, FindsWhatLookingAtAllFinds) {
   std::mt19937 random(14);
   std::uniform_real_distribution<double> coordinate(-1, 1);
   for (const Vector3& extent : {Vector3(1, 1, 1), Vector3(5, 1, 0), Vector3(0, 3, 0), Vector3(0, 0, 0)}) {
@@ -42,18 +44,17 @@ TEST(VertexGridAndTree, FindWhatLookingAtAllFinds) {
         some.resize(400);
         return some;
       }();
-      const VertexGrid grid(points, vertices);
       std::vector<int> labels(500);
       for (int v = 0; v < 500; ++v) {
         labels[v] = v % 2;
       }
-      const VertexTree tree(points, labels, vertices);
+      const VertexTree tree(points, vertices, &labels);
       for (int k = 0; k < 300; ++k) {
         const double far = k % 3 == 0 ? 4 : 1;
         Vector3 position(far * coordinate(random), far * coordinate(random), far * coordinate(random));
         position = lattice ? Vector3((2 * position).array().round() / 6) : position;
-        EXPECT_EQ(grid.nearest(position), nearest_of_all(points, vertices, position, 1e100, 0));
-        EXPECT_EQ(grid.nearest(position, 0.3), nearest_of_all(points, vertices, position, 0.3, 0));
+        EXPECT_EQ(tree.nearest(position), nearest_of_all(points, vertices, position, 1e100, 0));
+        EXPECT_EQ(tree.nearest(position, 0.3), nearest_of_all(points, vertices, position, 0.3, 0));
         std::size_t looks = 0;
         const auto found = tree.nearest(
             position, 0.09, 0, [](int) { return true; }, looks);
@@ -64,24 +65,55 @@ TEST(VertexGridAndTree, FindWhatLookingAtAllFinds) {
       }
     }
   }
-  EXPECT_EQ(VertexGrid(Points(0, 3), {}).nearest(Vector3(1, 2, 3)), -1);
+  EXPECT_EQ(VertexTree(Points(0, 3), {}).nearest(Vector3(1, 2, 3)), -1);
 }
 
-TEST(VertexGrid, StrayVerticesNearTheLargestNumberDoNoHarm) {
+TEST(VertexTree, StrayVerticesNearTheLargestNumberDoNoHarm) {
   for (const double far : {1e103, 1e154, 1e200, 1.7e308, 1e-308, 4e-324}) {
     for (const Vector3& at : {Vector3(1, 0, 0), Vector3(1, 1, 1), Vector3(-1, 1, 1e-9)}) {
       Points points(6, 3);
       points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, (far * at).transpose(), (-far * at).transpose();
       const std::vector<int> vertices = {0, 1, 2, 3, 4, 5};
-      const VertexGrid grid(points, vertices);
+      const VertexTree tree(points, vertices);
       for (int v = 0; v < 4; ++v) {
         const Vector3 position = points.row(v).transpose() + Vector3(0.2, 0.3, 0.1);
-        EXPECT_EQ(grid.nearest(position), nearest_of_all(points, vertices, position, 1e150, 0)) << far;
+        EXPECT_EQ(tree.nearest(position), nearest_of_all(points, vertices, position, 1e150, 0)) << far;
       }
-      EXPECT_EQ(grid.nearest(Vector3(far, far, far), 0.1), nearest_of_all(points, vertices, {far, far, far}, 0.1, 0));
+      EXPECT_EQ(tree.nearest(Vector3(far, far, far), 0.1), nearest_of_all(points, vertices, {far, far, far}, 0.1, 0));
     }
   }
 }
 
+TEST(NearestVertex, IsTheNearestThatHasAFace) {
+  const TriangleMesh mesh = shapes::degenerate_grid(12, 9);  // five isolated vertices at z = 10
+  EXPECT_EQ(nearest_vertex(mesh, Vector3(3.2, 4.1, 0.3)), 9 * 3 + 4);
+  EXPECT_LT(nearest_vertex(mesh, Vector3(0, 0, 1.0)), 108);
+}
+
+TEST(NearestVertex, PointFarAwayOrNotANumberIsRefused) {
+  TriangleMesh mesh = shapes::grid(11, 11);
+  const double tenth = 0.1 * std::sqrt(200.0);
+  EXPECT_EQ(nearest_vertex(mesh, Vector3(5, 5, 0.99 * tenth)), 60);
+  support::expect_refusal(ErrorCause::BadParameter, [&] { nearest_vertex(mesh, Vector3(5, 5, 1.01 * tenth)); });
+  support::expect_refusal(ErrorCause::NotFinite, [&] { nearest_vertex(mesh, Vector3(5, std::nan(""), 0)); });
+  mesh.vertices(60, 0) = std::nan("");
+  EXPECT_NE(nearest_vertex(mesh, Vector3(5, 5, 0)), 60);
+}
+
+TEST(VertexFinder, FindsWhatComparingAllVerticesFinds) {
+  const TriangleMesh mesh = shapes::icosphere(2);
+  const VertexFinder finder(mesh);
+  for (int k = 0; k < 200; ++k) {
+    const Vector3 point = 1.5 * Vector3(std::sin(1.0 * k), std::sin(2.3 * k), std::cos(1.7 * k));
+    int nearest = 0;
+    for (int v = 1; v < mesh.vertices.rows(); ++v) {
+      const auto distance = [&](int w) { return (mesh.vertices.row(w).transpose() - point).squaredNorm(); };
+      nearest = distance(v) < distance(nearest) ? v : nearest;
+    }
+    EXPECT_EQ(finder.anywhere(point, "Point").vertex, nearest) << k;
+  }
+  EXPECT_GE(finder.anywhere(Vector3(1e200, 0, 0), "Point").vertex, 0);
+}
+
 }  // namespace
-}  // namespace lapedit::vertex_grid_test
+}  // namespace lapedit::vertex_tree_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/vertex_transfer.h"
+#include "lapedit/edit/vertex_transfer.h"
 
 #include <limits>
 #include <string>
@@ -23,7 +23,7 @@ VertexTransfer::VertexTransfer(const TriangleMesh& mesh, const Adjacency& adjace
       return finder.on_surface(from.points[k], what, "take a mesh of the same object").vertex;
     }));
   }
-  grid_.emplace(points_, std::move(rows));
+  tree_.emplace(points_, std::move(rows));
 }
 
 std::size_t VertexTransfer::row(int vertex) const {
@@ -39,7 +39,7 @@ std::size_t VertexTransfer::row(int vertex) const {
 /// Returns the listed vertex nearest to a vertex of this mesh, if it is in the set.
 std::optional<int> VertexTransfer::nearest_member(const std::vector<int>& members, int vertex) const {
   const Vector3 point = mesh_.vertices.row(vertex).transpose();
-  const int position = point.allFinite() ? grid_->nearest(point) : -1;
+  const int position = point.allFinite() ? tree_->nearest(point) : -1;
   if (position < 0 || !contains(members, from_.vertices[static_cast<std::size_t>(position)])) {
     return std::nullopt;
   }

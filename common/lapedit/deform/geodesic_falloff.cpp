@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/mesh/geodesic_falloff.h"
+#include "lapedit/deform/geodesic_falloff.h"
 
 #include <algorithm>
 #include <string>
@@ -48,7 +48,7 @@ GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
   GeodesicFalloff result;
   result.lone = lone_vertices(region);
   Eigen::MatrixXd distances(region.size(), groups + 1);
-  const IndexLists around = build_adjacency(region.size(), region.faces, 1).faces;
+  const CompressedRows around = build_adjacency(region.size(), region.faces, 1).faces;
   GeodesicSearch search({region.neighbours, points, region.faces, around});
   for (int k = 0; k <= groups; ++k) {
     search.run(seeds[k], kUnreached);
