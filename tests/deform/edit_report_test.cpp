@@ -543,7 +543,7 @@ TEST(EditReport, TextHoldsEveryNumber) {
   r.fit->to_scan = {0.75, 1, 2, 3, 4};
   r.fit->from_scan = {0.625, 5, 6, 7, 8};
   r.fit->alignment = 1.5;
-  r.fit->second = 2.5;
+  r.fit->orientations.second = 2.5;
   r.fit->by_landmarks = 0.5;
   r.fit->reversed_normals = true;
   r.fit->size = 1000;

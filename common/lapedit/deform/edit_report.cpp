@@ -83,13 +83,15 @@ const std::vector<Figure>& report_table() {
        " by landmarks", kNotZero},
       {"fit/scale", fit<&F::scale>, ", scale %.4g"},
       {"fit/alignment", fit<&F::alignment>, ", RMS %.3g of what overlaps"},
-      {"fit/other_alignment", fit<&F::second>, " (another orientation: %.3g)"},
+      {"fit/other_alignment", [](const R& r) { return r.fit ? known(r.fit->orientations.second) : Value(); },
+       " (another orientation: %.3g)"},
       {"fit/stages", fit<&F::stages>, "; %d stages"},
       {"fit/rounds", fit<&F::rounds>, ", %d rounds"},
       {"fit/reversed_normals", fit<&F::reversed_normals>, "; the scan's normals were taken as reversed", kNotZero},
       {"fit/size_ratio", fit<&F::size_ratio>},
       {"fit/hidden_pieces", fit<&F::hidden>, "; %d pieces follow the surface around them", kNotZero},
-      {"fit/mirrored_alignment", fit<&F::mirrored>, nullptr},
+      {"fit/mirrored_alignment", [](const R& r) { return r.fit ? Value(r.fit->orientations.mirrored) : Value(); },
+       nullptr},
       {"fit/uncovered", fit<&F::uncovered>, nullptr},
       {"fit/largest_stretch", fit<&F::largest_stretch>, nullptr},
       {"fit/to_scan/matched", distance<&F::to_scan, &D::matched>, "\nTemplate to scan: %.3g %% matched", kAlways, 100},
@@ -222,7 +224,8 @@ std::string advice_on_hold(const R& r) {
 std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& names) {
   constexpr double kOtherUnit = 5, kOdd = 3.3, kOddDistance = 0.04, kContradict = 0.6, kMirrored = 1.3, kHalf = 0.5,
                    kLittle = 0.4, kUncovered = 0.01, kStretch = 1.8, kMany = 0.15, kSame = 1.05, kBetter = 0.8;
-  const double contradiction = fit.by_landmarks.value_or(0), second = fit.second.value_or(0);
+  const double contradiction = fit.by_landmarks.value_or(0), second = fit.orientations.second.value_or(0);
+  const Orientations& compared = fit.orientations;
   const bool backwards = fit.from_scan.matched < kHalf;
   return sentences(
       {{std::max(fit.size_ratio, 1 / fit.size_ratio) > kOtherUnit,
@@ -238,19 +241,19 @@ std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& nam
                     "of the targets to their mean (RMS): check that each has the target that belongs to it, and that "
                     "left and right are not exchanged.",
                     contradiction)},
-       {fit.searched > kMirrored * fit.mirrored,
+       {compared.chosen > kMirrored * compared.mirrored,
         format_text("The template's mirror image fits better (RMS %.3g in place of %.3g): check that the scan is not "
                     "mirrored.",
-                    fit.mirrored, fit.searched)},
-       {fit.second && fit.kept && second < kBetter * fit.searched,
+                    compared.mirrored, compared.chosen)},
+       {compared.second && compared.kept && second < kBetter * compared.chosen,
         format_text(
             "Another orientation fits better after the alignment (RMS %.3g in place of %.3g), but the template's "
             "was kept: check that the template is not upside down or turned round, or give three landmarks.",
-            second, fit.searched)},
-       {fit.second && !fit.kept && second < kSame * fit.searched,
+            second, compared.chosen)},
+       {compared.second && !compared.kept && second < kSame * compared.chosen,
         format_text("Another orientation fits almost as well after the alignment (RMS %.3g and %.3g): check that the "
                     "template is not upside down, turned round or a mirror image, or give three landmarks.",
-                    second, fit.searched)},
+                    second, compared.chosen)},
        {backwards || fit.to_scan.matched < kLittle,
         format_text("Only %.3g %% of the %s: check the alignment, and that normals point outwards, or give landmarks.",
                     100 * (backwards ? fit.from_scan.matched : fit.to_scan.matched),

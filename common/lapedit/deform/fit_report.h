@@ -12,6 +12,14 @@ struct FitDistances {
   double rms = 0, median = 0, most = 0, largest = 0;  ///< `most`: the 95 % quantile
 };
 
+/// RMS distances of what overlaps after the alignment, of some samples: for comparison with each other.
+struct Orientations {
+  bool kept = false;             ///< the template's own was chosen
+  double chosen = 0;             ///< 0: not searched
+  std::optional<double> second;  ///< the best other one
+  double mirrored = 0;           ///< that of the template's mirror image
+};
+
 /// The landmark of a fit that is farthest from its target.
 struct OddLandmark {
   int vertex = -1;      ///< of the mesh; -1: none
@@ -25,14 +33,11 @@ struct FitReport {
   std::string mode, scan;
   std::string aligned;  ///< kind of alignment: "similarity", "rigid" or "none"
   FitDistances to_scan, from_scan;
-  double scale = 1;              ///< of the alignment
-  double alignment = 0;          ///< RMS distance of what overlaps after the alignment
-  bool kept = false;             ///< the template's orientation was kept
-  double searched = 0;           ///< the same of some samples, for comparison with other orientations; 0: not searched
-  std::optional<double> second;  ///< the same for the best other orientation
+  double scale = 1;      ///< of the alignment
+  double alignment = 0;  ///< RMS distance of what overlaps after the alignment
+  Orientations orientations;
   /// Whether landmarks aligned it: then their RMS distance to the targets, over that of the targets to their mean.
   std::optional<double> by_landmarks;
-  double mirrored = 0;         ///< the same for the template's mirror image; 0: not searched
   double uncovered = 0;        ///< RMS distance of the whole scan from the template
   double largest_stretch = 1;  ///< of its triangles, but for half a percent of them, over the median
   OddLandmark odd;

@@ -231,10 +231,12 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   chosen = stays ? 0 : chosen;
   best.map = stays ? given : maps[chosen];
   best.residual = fine.run(best.map, stays ? 0 : kFirstRounds);
-  best.searched = residuals[chosen];
+  Orientations& compared = best.orientations;
+  compared.kept = angle(chosen, Matrix3::Identity()) >= kInPlace;
+  compared.chosen = residuals[chosen];
   for (std::size_t k = 0; k < maps.size(); ++k) {
     if (angle(k, maps[chosen].rotation) < kSameRotation) {
-      best.second = std::min(best.second.value_or(residuals[k]), residuals[k]);
+      compared.second = std::min(compared.second.value_or(residuals[k]), residuals[k]);
     }
   }
   Points image = from.points();
@@ -243,9 +245,9 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   faces.col(1).swap(faces.col(2));
   const SurfaceIndex mirrored(std::move(image), std::move(faces));
   TrimmedIcp other(mirrored, scan, kFew, scaled, pool);
-  best.mirrored = std::numeric_limits<double>::infinity();
+  compared.mirrored = std::numeric_limits<double>::infinity();
   for (SimilarityMap& map : starts_of(mirrored.samples(kMany).points, theirs, in_place, scale)) {
-    best.mirrored = std::min(best.mirrored, other.run(map, kFirstRounds + kRounds));
+    compared.mirrored = std::min(compared.mirrored, other.run(map, kFirstRounds + kRounds));
   }
   return best;
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
-
 #include "lapedit/base/similarity.h"
+#include "lapedit/deform/fit_report.h"
 #include "lapedit/fit/scan.h"
 
 namespace lapedit {
@@ -18,11 +17,7 @@ enum class FitAlign {
 struct Alignment {
   SimilarityMap map;    ///< of the template of size 1
   double residual = 0;  ///< RMS distance of the pairs that overlap, both ways; the scan's size is 1
-  /// The same of some samples, in which further pairs count a little: of the orientation that was chosen, and of the
-  /// best other one. 0: not searched
-  double searched = 0;
-  std::optional<double> second;
-  double mirrored = 0;  ///< of the template's mirror image
+  Orientations orientations;
   bool by_landmarks = false;
 };
 

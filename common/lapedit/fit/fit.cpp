@@ -162,13 +162,13 @@ Fit::Fit(const FitProblem& problem)
   if (alignment.by_landmarks) {
     report.by_landmarks = (map.all(from) - targets_).norm() / (targets_.rowwise() - targets_.colwise().mean()).norm();
   }
-  if (alignment.second) {
-    report.second = *alignment.second * unit;
+  report.orientations = alignment.orientations;
+  for (double* each : {&report.orientations.chosen, &report.orientations.mirrored}) {
+    *each *= unit;
   }
-  report.mirrored = alignment.mirrored * unit;
-  report.searched = alignment.searched * unit;
-  constexpr double kInPlace = 2.4142;  // trace of a rotation by 45 degrees
-  report.kept = turned_.trace() > kInPlace;
+  if (report.orientations.second) {
+    *report.orientations.second *= unit;
+  }
   pairs_->turn_normals(*pool_);
   report.reversed_normals = pairs_->reversed();
 }
