@@ -59,16 +59,11 @@ edits() {
 }
 
 linux_x86_64() {
-  local python venv
+  local python
   for python in python3 "$("$here/pythons.sh" | tail -n 1)"; do
-    venv=$work/venv
-    rm -rf "$venv"
-    quietly "$python" -m venv "$venv"
-    quietly "$venv/bin/pip" install --only-binary=:all: trimesh
-    quietly "$venv/bin/pip" install --no-index --find-links "$wheels" laplacian-edit
-    LAPEDIT_COMMAND=$venv/bin/laplacian-edit LAPEDIT_MESHES=$meshes "$venv/bin/python" "$here/package_test.py"
+    LAPEDIT_MESHES=$meshes "$here/installed.sh" "$python" "$wheels" "$work/venv"
   done
-  edits "$venv/bin/laplacian-edit" "$generated" "$meshes"
+  edits "$work/venv/bin/laplacian-edit" "$generated" "$meshes"
 }
 
 windows() {
