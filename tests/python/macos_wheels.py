@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks the files in wheels for macOS, which cannot be run here: processor, oldest macOS, libraries, where symbols come from,
-and the signature, without which macOS on Apple's processors ends the process.
+and for arm64 the signature, without which macOS ends the process there.
 
 usage: macos_wheels.py WHEEL...     It needs llvm-objdump.
 """
@@ -63,9 +63,10 @@ class Files(unittest.TestCase):
                     self.assertEqual(bool(python), name.endswith(".so"))
                     if name.endswith(".so"):
                         self.assertIn(b"\0_PyInit__core\0", data)
-                    signed, real = page_hashes(data, int(re.search(r"LC_CODE_SIGNATURE\s+cmdsize 16\s+dataoff (\d+)", text)[1]))
-                    self.assertGreater(len(real), 100)
-                    self.assertEqual(signed, real)
+                    if "arm64" in wheel.name:
+                        signed, real = page_hashes(data, int(re.search(r"LC_CODE_SIGNATURE\s+cmdsize 16\s+dataoff (\d+)", text)[1]))
+                        self.assertGreater(len(real), 100)
+                        self.assertEqual(signed, real)
 
 
 if __name__ == "__main__":
