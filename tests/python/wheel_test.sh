@@ -49,7 +49,7 @@ packages() {
 
 # emulated COMMAND PROGRAM: makes $work/laplacian-edit, which starts the wheel's program in an emulator
 emulated() {
-  printf '#!/bin/sh\n%s "%s" "$@" | cat\n' "$1" "$2" >"$work/laplacian-edit"
+  printf '#!/bin/sh\nexec %s "%s" "$@"\n' "$1" "$2" >"$work/laplacian-edit"
   chmod +x "$work/laplacian-edit"
 }
 
