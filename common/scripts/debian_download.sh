@@ -3,10 +3,11 @@
 # Downloads packages of any Debian release from the mirror of this machine's apt sources, with apt's check of signatures. The
 # system's own apt sources and lists are not changed, and nothing is installed.
 #
-# usage: debian_download.sh SUITE FOLDER PACKAGE...     a package's .deb; for src:PACKAGE the upstream tarball of its source
+# usage: debian_download.sh SUITE FOLDER PACKAGE...     a package's .deb, PACKAGE:arm64 for another processor than this one; for
+#                                                       src:PACKAGE the upstream tarball of its source
 set -eu
 
-[ $# -ge 3 ] || { sed -n 's/^# usage: //p' "$0" >&2; exit 2; }
+[ $# -ge 3 ] || { sed -n '/^# usage/,/^set/s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 suite=$1
 mkdir -p "$2"
 folder=$(cd "$2" && pwd)
@@ -32,6 +33,7 @@ Dir::State::lists "$apt/lists";
 Dir::State::status "$apt/status";
 Dir::Cache "$apt/cache";
 APT::Sandbox::User "root";
+APT::Architectures { $(dpkg --print-architecture);$(printf '%s\n' "$@" | sed -n '/^src:/d; s/.*:\(.*\)/ \1;/p' | sort -u | tr -d '\n') };
 Acquire::Check-Valid-Until "false";
 #clear APT::Update::Pre-Invoke;
 #clear APT::Update::Post-Invoke;

@@ -25,7 +25,7 @@ for what in "$@"; do
   tests) packages="$packages $tests" ;;
   pictures) packages="$packages $display $fast python3-numpy python3-vtk9" ;;
   everything) packages="$packages $tests clang-format clang-tidy clang libclang-rt-dev gcovr universal-ctags debootstrap lintian
-    libc++-dev libc++abi-dev g++-aarch64-linux-gnu qemu-user-static g++-mingw-w64-x86-64-posix wine64" ;;
+    libc++-dev libc++abi-dev g++-aarch64-linux-gnu qemu-user-static wine64 llvm" ;;
   *)
     sed -n '/^# usage/,/^set/s/^# \{0,1\}//p' "$0" >&2
     exit 2

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Gets the source of a version of MeshLab, whose headers plugins are built with: from Debian, which has 2020.09, 2022.02 and
-# 2025.07, else from MeshLab's repository. Does nothing if the folder has it already.
+# Gets the source of a version of MeshLab, whose headers plugins are built with, from Debian, which has 2020.09, 2022.02 and
+# 2025.07. Does nothing if the folder has it already.
 #
 # usage: meshlab_source.sh VERSION FOLDER     VERSION: such as 2025.07
 set -eu
@@ -16,18 +16,11 @@ case $version in
 2020.09) suite=bookworm ;;
 2022.02) suite=trixie ;;
 2025.07) suite=sid ;;
-*) suite= ;;
+*) echo "meshlab_source.sh: Debian has no MeshLab $version, only 2020.09, 2022.02 and 2025.07." >&2 && exit 1 ;;
 esac
-if [ -n "$suite" ] && command -v apt-get >/dev/null; then
-  "$(dirname "$0")/debian_download.sh" "$suite" "$folder/tarball" src:meshlab
-  tar -xf "$folder"/tarball/*.orig.tar.* -C "$folder" --strip-components=1
-  rm -r "$folder/tarball"
-else
-  git clone --quiet --depth 1 --recurse-submodules --shallow-submodules --branch "MeshLab-$version" \
-    https://github.com/cnr-isti-vclab/meshlab "$folder/clone"
-  mv "$folder/clone"/* "$folder"
-  rm -rf "$folder/clone"
-fi
+"$(dirname "$0")/debian_download.sh" "$suite" "$folder/tarball" src:meshlab
+tar -xf "$folder"/tarball/*.orig.tar.* -C "$folder" --strip-components=1
+rm -r "$folder/tarball"
 found=$(cat "$folder/ML_VERSION")
 [ "$found" = "$version" ] || { echo "meshlab_source.sh: $suite has MeshLab $found now, not $version." >&2; exit 1; }
 mv "$folder" "$2"

@@ -6,7 +6,6 @@ Environment:
   LAPEDIT_CLEAN_ROOT  a root with nothing but the packaged MeshLab; may be changed
   LAPEDIT_USER_ROOT   a root in which the project can be built; may be changed
   LAPEDIT_DEBIAN      the folder in which it was built, in source/
-  LAPEDIT_OFFICIAL    build_for.sh's build for that MeshLab, or nothing
   LAPEDIT_OUTPUT      where to leave what MeshLab printed
 """
 import gzip
@@ -34,7 +33,6 @@ PACKAGE = pathlib.Path(os.environ["LAPEDIT_PACKAGE"])
 CLEAN_ROOT = pathlib.Path(os.environ["LAPEDIT_CLEAN_ROOT"])
 USER_ROOT = pathlib.Path(os.environ["LAPEDIT_USER_ROOT"])
 DEBIAN = pathlib.Path(os.environ["LAPEDIT_DEBIAN"])
-OFFICIAL = os.environ["LAPEDIT_OFFICIAL"]
 OUTPUT = pathlib.Path(os.environ["LAPEDIT_OUTPUT"])
 NAME = "meshlab-laplacian-edit"
 PATIENCE = 60  # seconds
@@ -347,20 +345,6 @@ class Package(unittest.TestCase):
         refusal = " ".join(root.run(*install, code=None).split())
         self.assertIn("is installed for all users, and MeshLab would load both: remove it first", refusal)
         self.assertEqual([path for path in (home / ".local").rglob("*") if "laplacian" in path.name], [])
-
-    @unittest.skipUnless(OFFICIAL, "for one release only")
-    def test_plugins_for_an_official_build(self):
-        """Built on another system than the MeshLab that loads them."""
-        root = Root(CLEAN_ROOT, self.data, self.display)
-        root.complete()
-        home = self.data / "home"
-        done = subprocess.run(["cmake", "--build", OFFICIAL, "--target", "install-user"], env=dict(os.environ, HOME=str(home)),
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", check=False)
-        self.assertEqual(done.returncode, 0, done.stdout)
-        installed = {path.name for path in home.rglob("*") if path.is_file()}
-        self.assertEqual(installed, {"libedit_laplacian_drag.so", "libfilter_laplacian_edit.so", "laplacian-edit"})
-        self.give(home)
-        self.check_window(root)
 
     def check_window(self, root):
         """The tool; then the filter that the tool left in MeshLab's history, on the mesh as it was."""

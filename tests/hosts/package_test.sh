@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Makes the package for a Debian release's MeshLab, and tests it there: installed in a clean root it works in the stock
-# MeshLab, and removed again it leaves nothing. Then the same for an installation into the user's own folders, and, with
-# trixie's MeshLab, for plugins that build_for.sh builds on this system.
+# MeshLab, and removed again it leaves nothing. Then the same for an installation into the user's own folders.
 #
 # usage: package_test.sh SUITE     SUITE: bookworm, trixie, sid
 #
@@ -17,8 +16,7 @@ fail() {
 }
 
 here=$(dirname "$(realpath "$0")")
-project=$(realpath "$here/../..")
-LAPEDIT_HOSTS_DIR=$(realpath -m "${LAPEDIT_HOSTS_DIR:-$project/build/hosts}")
+LAPEDIT_HOSTS_DIR=$(realpath -m "${LAPEDIT_HOSTS_DIR:-$here/../../build/hosts}")
 export LAPEDIT_HOSTS_DIR
 [ $# -eq 1 ] || { sed -n 's/^# usage: //p' "$0" >&2; exit 2; }
 suite=$1
@@ -43,13 +41,6 @@ flock 9
 echo "Building the package for $suite"
 debian=$folder/debian
 DEB_CXXFLAGS_STRIP=-g "$here/build_package.sh" "$suite" "$debian" 9>&-
-
-official=
-if [ "$suite" = trixie ]; then
-  "$project/common/scripts/build_for.sh" "$clean_root/usr/lib" -DLAPEDIT_WARNINGS_AS_ERRORS=ON >"$folder/official.log" 2>&1 ||
-    { tail -n 40 "$folder/official.log" >&2; fail "build_for.sh has built no plugins, see $folder/official.log"; }
-  official=$(sed -n 's/^    cmake --build \([^ ]*\) --target install-user$/\1/p' "$folder/official.log")
-fi
 
 # layer NAME ROOT: prints a folder that looks like ROOT and can be written to.
 layer() {
@@ -76,8 +67,7 @@ clean=$(layer clean "$clean_root")
 user=$(layer user "$build_root")
 status=0
 env -u LAPEDIT_OWN_NAMESPACE PYTHONDONTWRITEBYTECODE=1 LAPEDIT_SUITE="$suite" LAPEDIT_PACKAGE="$(echo "$folder"/debian/*.deb)" \
-  LAPEDIT_DEBIAN="$debian" LAPEDIT_OFFICIAL="${official:+$project/$official}" \
-  LAPEDIT_CLEAN_ROOT="$clean" LAPEDIT_USER_ROOT="$user" LAPEDIT_OUTPUT="$folder" \
+  LAPEDIT_DEBIAN="$debian" LAPEDIT_CLEAN_ROOT="$clean" LAPEDIT_USER_ROOT="$user" LAPEDIT_OUTPUT="$folder" \
   python3 "$here/package_test.py" -v 7>&- 8>&- 9>&- || status=1
 drop "$clean"
 drop "$user"

@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Builds core and program for another processor, system or compiler, runs their tests there, and compares the coordinates
-# of the recorded edits with those of this build.
+# Builds core and program for another processor or compiler, runs their tests there, and compares the coordinates of the
+# recorded edits with those of this build.
 #
 # usage: run.sh WHAT BUILD RESULTS [LAYER]...
-#   WHAT      arm64: under qemu; windows: mingw-w64, under wine; libc++: clang with libc++; plain: LAPEDIT_PLAIN_KERNELS
+#   WHAT      arm64: under qemu; libc++: clang with libc++; plain: LAPEDIT_PLAIN_KERNELS
 #   BUILD     this machine's build folder, with tests
 #   RESULTS   what hosts/write_results.sh made with it
 #   LAYER     whose tests run: base, mesh, linear, deform, cells, edit, live, session, json; without any: the edits only
@@ -44,12 +44,6 @@ arm64)
     -DCMAKE_C_COMPILER=aarch64-linux-gnu-gcc
   emulator='qemu-aarch64-static;-L;/usr/aarch64-linux-gnu'
   ;;
-windows)
-  set -- -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_SYSTEM_PROCESSOR=x86_64 -DCMAKE_CXX_COMPILER=x86_64-w64-mingw32-g++-posix \
-    -DCMAKE_C_COMPILER=x86_64-w64-mingw32-gcc-posix -DCMAKE_EXE_LINKER_FLAGS=-static
-  emulator=$(command -v wine64 || echo /usr/lib/wine/wine64)
-  export WINEDEBUG=-all WINEPREFIX="$folder/wine"
-  ;;
 libc++) set -- -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_FLAGS=-stdlib=libc++ ;;
 plain) set -- -DLAPEDIT_PLAIN_KERNELS=ON ;;
 *) echo "run.sh: $what is unknown." >&2 && exit 2 ;;
@@ -78,31 +72,15 @@ cmake ${generator:+"$generator"} -S "$here/../.." -B "$folder/build" "$@" -DLAPE
   -DGTest_ROOT="$folder/gtest" >"$folder/log" 2>&1 &&
   cmake --build "$folder/build" --target $targets >>"$folder/log" 2>&1 || { tail -n 60 "$folder/log" >&2; exit 1; }
 
-# The demonstration's bodies take a quarter of an hour under an emulator, and are not the core's. On Windows allocations
-# are not counted, clock() is the time of day, and a large file needs its size on the disk.
 excluded='*/*' # suites with parameters
-case $what in
-arm64) excluded="$excluded:Bodies.*" ;;
-windows) excluded="$excluded:Bodies.*:*AllocatesNothing*:*WaitingTakesNoProcessorTime*:*HugeFilesAreNotRead*" ;;
-esac
-suffix=
-[ "$what" != windows ] || suffix=.exe
+# The demonstration's bodies take a quarter of an hour under an emulator, and are not the core's.
+[ "$what" != arm64 ] || excluded="$excluded:Bodies.*"
 for layer in $layers; do
   # shellcheck disable=SC2086
-  $(echo "$emulator" | tr ';' ' ') "$folder/build/tests/${layer}_tests$suffix" --gtest_brief=1 --gtest_filter="-$excluded"
+  $(echo "$emulator" | tr ';' ' ') "$folder/build/tests/${layer}_tests" --gtest_brief=1 --gtest_filter="-$excluded"
 done
-
-# The program's tests of formats, by a command that starts the emulator.
-if [ "$what" = windows ]; then
-  program=$folder/build/filter_laplacian_edit/laplacian-edit$suffix
-  printf '#!/bin/sh\nexec %s "%s" "$@"\n' "$emulator" "$program" >"$folder/laplacian-edit"
-  chmod +x "$folder/laplacian-edit"
-  LAPEDIT_STAGE=none LAPEDIT_MESHES='' LAPEDIT_COMMAND="$folder/laplacian-edit" \
-    LAPEDIT_READERS="$build/tests/batch/readers" python3 "$here/../batch/formats_test.py" \
-    Bytes.test_generated_files Damage.test_no_faces Damage.test_selection_of_meshlab
-fi
 
 rm -rf "$folder/poses"
 # shellcheck disable=SC2086
-$(echo "$emulator" | tr ';' ' ') "$folder/build/tests/core_edit$suffix" "$here/../hosts/edits" "$results/meshes" "$folder/poses"
+$(echo "$emulator" | tr ';' ' ') "$folder/build/tests/core_edit" "$here/../hosts/edits" "$results/meshes" "$folder/poses"
 "$here/../hosts/compare.py" "$results" "$folder/poses"

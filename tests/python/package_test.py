@@ -11,6 +11,7 @@ import copy
 import importlib.metadata
 import inspect
 import json
+import mmap
 import os
 import pathlib
 import pickle
@@ -694,7 +695,7 @@ class Editing(unittest.TestCase):
     @unittest.skipUnless(os.path.exists("/proc/self/statm"), "no /proc")
     def test_1000_edits_take_no_more_memory(self):
         points, faces = grid()
-        page = os.sysconf("SC_PAGE_SIZE")
+        page = mmap.PAGESIZE
 
         def edits(count):
             for k in range(count):

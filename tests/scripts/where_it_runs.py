@@ -27,7 +27,10 @@ ROWS = [
     ("core, kernels in plain C++17", ["processors.plain"], [], ["processors.plain"], ["processors.plain"]),
     ("core, clang with libc++", ["processors.libc++"], [], ["processors.libc++"], ["processors.libc++"]),
     ("core, arm64 under qemu", ["processors.arm64"], [], ["processors.arm64"], ["processors.arm64"]),
-    ("core, Windows (mingw-w64) under wine", ["processors.windows"], [], ["processors.windows"], ["processors.windows"]),
+    ("wheel and program, Linux x86_64", *4 * [["python.linux-x86_64"]]),
+    ("wheel and program, Windows x64 under wine", *4 * [["python.windows"]]),
+    ("wheel and program, Linux aarch64 under qemu", *4 * [["python.linux-aarch64"]]),
+    ("wheel and program, macOS", ["python.macos-arm64", "python.macos-x86_64"], [], [], []),
 ]
 
 

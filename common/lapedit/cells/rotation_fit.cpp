@@ -34,7 +34,7 @@ RotationFit::RotationFit(const RegionCells& cells)
   areas_ = areas_.cwiseMax(kLeast * areas_.mean());
   const auto curvatures = Eigen::Map<const Eigen::ArrayXd>(cells.curvature.data(), cells.count());
   const Eigen::VectorXd times =
-      ((kRound / curvatures.square()).min(kVariance * cells.free_area) - kOfCell * areas_.array()).max(0) / 4;
+      ((kRound / curvatures.square()).min(kVariance * cells.free_area) - kOfCell * areas_.array()).max(0.0) / 4;
   std::vector<Eigen::Triplet<double>> entries;
   for (int a = 0; a < cells.count(); ++a) {
     entries.emplace_back(a, a, areas_[a] > 0 ? areas_[a] : 1);

@@ -103,9 +103,9 @@ class NoRequests {
  public:
   NoRequests() {
     sigset_t requests;
-    ::sigemptyset(&requests);
+    sigemptyset(&requests);
     for (const int request : kRequests) {
-      ::sigaddset(&requests, request);
+      sigaddset(&requests, request);
     }
     ::pthread_sigmask(SIG_BLOCK, &requests, &before_);
     while (isListInUse.test_and_set(std::memory_order_acquire)) {
@@ -146,7 +146,7 @@ void watchRequests() {
     struct sigaction action = {};
     if (::sigaction(request, nullptr, &action) == 0 && action.sa_handler == SIG_DFL) {
       action.sa_handler = removeAll;
-      ::sigfillset(&action.sa_mask);
+      sigfillset(&action.sa_mask);
       ::sigaction(request, &action, nullptr);
     }
   }
