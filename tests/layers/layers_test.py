@@ -24,7 +24,7 @@ BELOW["json"] = BELOW["host"] = BELOW["live"]
 HOSTS_OWN = ["QtCore/QString", "QString", "QGLWidget", "vcg/complex/complex.h", "common/ml_document/mesh_model.h",
              "common/interfaces.h", "common/meshmodel.h", "common/plugins/interfaces/filter_plugin.h"]
 # In angle brackets the core has the standard library and Eigen; besides, the layer that needs it:
-LIBRARIES = {"linear": ["sys/mman.h"], "json": ["nlohmann/json.hpp"]}
+LIBRARIES = {"base": ["arm_neon.h"], "linear": ["sys/mman.h"], "json": ["nlohmann/json.hpp"]}
 
 
 def folder(layer):

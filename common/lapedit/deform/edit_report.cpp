@@ -90,8 +90,6 @@ const std::vector<Figure>& report_table() {
       {"fit/reversed_normals", fit<&F::reversed_normals>, "; the scan's normals were taken as reversed", kNotZero},
       {"fit/size_ratio", fit<&F::size_ratio>},
       {"fit/hidden_pieces", fit<&F::hidden>, "; %d pieces follow the surface around them", kNotZero},
-      {"fit/mirrored_alignment", [](const R& r) { return r.fit ? Value(r.fit->orientations.mirrored) : Value(); },
-       nullptr},
       {"fit/uncovered", fit<&F::uncovered>, nullptr},
       {"fit/largest_stretch", fit<&F::largest_stretch>, nullptr},
       {"fit/to_scan/matched", distance<&F::to_scan, &D::matched>, "\nTemplate to scan: %.3g %% matched", kAlways, 100},
