@@ -194,10 +194,11 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   const Points theirs = scan.surface().samples(kMany).points;
   const double scale = scaled ? 1 : in_place.scale;
   std::vector<SimilarityMap> maps = starts_of(from.samples(kMany).points, theirs, in_place, scale);
-  const SimilarityMap given = maps[0];
   std::vector<double> residuals(maps.size());
   TrimmedIcp coarse(from, scan, kFew, scaled, pool);
-  const double unmoved = coarse.run(maps[0], 0);
+  constexpr std::size_t kWithoutPlace = 5;
+  SimilarityMap place = in_place;
+  const double unmoved = coarse.run(place, 0);
   for (std::size_t k = 0; k < maps.size(); ++k) {
     residuals[k] = coarse.run(maps[k], kFirstRounds);
   }
@@ -227,9 +228,10 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   }
   // A place that is nearly as good is kept: what is left may be the difference of the shapes.
   constexpr double kNearly = 3;
-  const bool stays = unmoved <= kNearly * *std::min_element(residuals.begin(), residuals.end());
+  const bool stays =
+      maps.size() > kWithoutPlace && unmoved <= kNearly * *std::min_element(residuals.begin(), residuals.end());
   chosen = stays ? 0 : chosen;
-  best.map = stays ? given : maps[chosen];
+  best.map = stays ? in_place : maps[chosen];
   best.residual = fine.run(best.map, stays ? 0 : kFirstRounds);
   Orientations& compared = best.orientations;
   compared.kept = angle(chosen, Matrix3::Identity()) >= kInPlace;
