@@ -227,7 +227,7 @@ void Fit::pull() {
     }
     forces_.row(landmark.vertex) += held_[landmark.vertex] * offset.transpose();
   }
-  const SimilarityMap whole = best_similarity(rest_, points_, 0, energy_->mass());
+  const SimilarityMap whole = best_similarity(rest_, points_ + with_.hold * (rest_ - points_), 0, energy_->mass());
   if (of_.settings.mode == FitMode::Pose) {
     rotate();
     energy_->add_rotated(result_.rotations, whole.scale, forces_);

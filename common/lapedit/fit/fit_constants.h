@@ -14,10 +14,13 @@ struct FitConstants {
   double per_length = 2.5;          ///< vertices and samples that a stage has along its length, of those that there are
   int rounds = 9;                   ///< of a stage
   double average = 0.15;            ///< length of the averages of rotations over the template's size
-  double membrane = 2;              ///< stretching against bending at wavelengths of the template's size
-  double tangential = 0.2;          ///< of a displacement along the surface, which only landmarks decide
-  double times = 5, most = 0.7;     ///< pairs count fully up to `times` the quantile `most` of distances
-  double cosine = 0.5;              ///< of the largest angle between normals
+  /// Weight of the aligned template in the similarity that the shape may undergo for nothing: without it surfaces that
+  /// may slide along themselves, as a dome, drift.
+  double hold = 0.3;
+  double membrane = 2;           ///< stretching against bending at wavelengths of the template's size
+  double tangential = 0.2;       ///< of a displacement along the surface, which only landmarks decide
+  double times = 5, most = 0.7;  ///< pairs count fully up to `times` the quantile `most` of distances
+  double cosine = 0.5;           ///< of the largest angle between normals
 };
 
 }  // namespace lapedit
