@@ -123,7 +123,9 @@ TEST(FitStep, SlidesAlongTheScan) {
     group.targets = {head().vertices.row(200).transpose() + 0.1 * along};
     group.slide = slide;
     step.handles = {group};
-    return apply_edit(head(), edit).reports.front().handle_residual;
+    const EditReport report = apply_edit(head(), edit).reports.front();
+    EXPECT_EQ(report.advice(), "");  // a target that the vertex slides away from is not wrong
+    return report.handle_residual;
   };
   EXPECT_LT(residual(1), 0.02);
   EXPECT_GT(residual(0), 0.08);
@@ -200,6 +202,13 @@ TEST(FitStep, PiecesThatTheScanDoesNotShowFollowTheSurface) {
     EXPECT_LT(errors.segment(first, count).mean(), 0.02);                // of a displacement of 0.04
     EXPECT_LT(errors.tail(errors.size() - first - count).mean(), 0.03);  // of 0.17
   }
+  for (Eigen::Index v = first + count; v < whole.vertices.rows(); ++v) {
+    edit.steps[0].fit->exclude.push_back(static_cast<int>(v));
+  }
+  const EditResult excluded = apply_edit(whole, edit);
+  EXPECT_EQ(excluded.reports.front().fit->hidden, 3);
+  const Eigen::VectorXd errors = (support::edited(whole, excluded) - truth).rowwise().norm();
+  EXPECT_GT(errors.tail(errors.size() - first - count).mean(), 0.1);  // the scan does not draw it
 }
 
 /// Never a silent wrong fit.

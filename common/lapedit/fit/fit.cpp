@@ -137,7 +137,7 @@ Fit::Fit(const FitProblem& problem)
   for (const FitLandmark& landmark : of_.landmarks) {
     keep.push_back(landmark.vertex);
   }
-  hidden_ = std::make_unique<HiddenPieces>(region, *surface_, keep);
+  hidden_ = std::make_unique<HiddenPieces>(region, *surface_, keep, of_.excluded);
   for (const int i : hidden_->vertices()) {
     free[static_cast<std::size_t>(i)] = 0;
   }
@@ -312,13 +312,17 @@ void Fit::check_landmarks() {
   OddLandmark& odd = result_.report.odd;
   double squares = 0, farthest = 0;
   for (std::size_t k = 0; k < of_.landmarks.size(); ++k) {
-    const int vertex = of_.landmarks[k].vertex;
+    const FitLandmark& landmark = of_.landmarks[k];
+    if (landmark.slide < 1) {
+      continue;  // it may be far from its target along the surface
+    }
     const Vector3 target = targets_.row(static_cast<Eigen::Index>(k)).transpose();
-    const double squared = (points_.row(vertex).transpose() - target).squaredNorm();
+    const double squared =
+        landmark.weight * landmark.weight * (points_.row(landmark.vertex).transpose() - target).squaredNorm();
     squares += squared;
     if (squared > farthest) {
       farthest = squared;
-      odd.vertex = of_.region.mesh_vertex[vertex];
+      odd.vertex = of_.region.mesh_vertex[landmark.vertex];
       odd.to_scan = of_.scan.size() * std::sqrt(of_.scan.surface().nearest(target).squared);
     }
   }

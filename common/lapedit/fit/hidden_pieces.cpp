@@ -10,7 +10,8 @@
 
 namespace lapedit {
 
-HiddenPieces::HiddenPieces(const Region& region, const SurfaceIndex& surface, const std::vector<int>& keep)
+HiddenPieces::HiddenPieces(const Region& region, const SurfaceIndex& surface, const std::vector<int>& keep,
+                           const std::vector<int>& excluded)
     : is_hidden_(static_cast<std::size_t>(region.size()), 0) {
   std::vector<int> labels;
   const int count = connected_components(region.neighbours, labels);
@@ -31,6 +32,9 @@ HiddenPieces::HiddenPieces(const Region& region, const SurfaceIndex& surface, co
       is_hidden_[static_cast<std::size_t>(i)] = 1;
       pieces[label_of(i)].vertices.push_back(i);
     }
+  }
+  for (const int v : excluded) {
+    pieces[label_of(v)].is_excluded = true;
   }
   for (Piece& piece : pieces) {
     if (!piece.vertices.empty()) {
@@ -63,8 +67,8 @@ std::vector<int> HiddenPieces::take_shown(const SurfaceIndex& surface, const Sca
     }
     return static_cast<double>(shown) > kMost * static_cast<double>(piece.vertices.size());
   };
-  const auto first =
-      std::stable_partition(pieces_.begin(), pieces_.end(), [&](const Piece& p) { return !is_shown(p); });
+  const auto first = std::stable_partition(pieces_.begin(), pieces_.end(),
+                                           [&](const Piece& p) { return p.is_excluded || !is_shown(p); });
   for (auto piece = first; piece != pieces_.end(); ++piece) {
     taken.insert(taken.end(), piece->vertices.begin(), piece->vertices.end());
   }

@@ -14,8 +14,10 @@ namespace lapedit {
 class HiddenPieces {
  public:
   /// Takes all components without landmarks and anchors whose area is below a quarter of the largest component's.
-  /// @param surface  the region, aligned with the scan. @param keep  vertices of components that are not hidden
-  HiddenPieces(const Region& region, const SurfaceIndex& surface, const std::vector<int>& keep);
+  /// @param surface   the region, aligned with the scan. @param keep  vertices of components that are not hidden
+  /// @param excluded  vertices that the scan must not draw: their pieces stay hidden
+  HiddenPieces(const Region& region, const SurfaceIndex& surface, const std::vector<int>& keep,
+               const std::vector<int>& excluded);
 
   /// Removes the pieces that the scan shows: most of their vertices are much nearer to their nearest points of the scan
   /// than the other components are. @return their vertices
@@ -31,6 +33,7 @@ class HiddenPieces {
   struct Piece {
     std::vector<int> vertices, around;
     Eigen::VectorXd weights;  // of the vertices around
+    bool is_excluded = false;
   };
   void find_around(const Points& rest, Piece& piece) const;
 
