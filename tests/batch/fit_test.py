@@ -58,6 +58,10 @@ class Fit(ProgramTest):
                          "handles": [{"landmarks": {"from": "from.pp", "to": "to.pp"}}]})
         self.done("-q", self.mesh, self.out, self.edit)
         self.assertEqual(self.out.read_bytes(), whole)
+        self.write_edit({"region": {"component": True}, "fit": {"to": "scan.ply", "accuracy": 0},
+                         "handles": [{"landmarks": {"from": "from.pp", "to": "to.pp"}}]})
+        self.done("-q", self.mesh, self.out, self.edit)
+        self.assertLess(error(self.result()), 0.4 * error(DOME[0]))
 
     def test_older_processors_get_the_same_coordinates(self):
         self.fitted()
