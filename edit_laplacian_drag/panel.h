@@ -73,6 +73,7 @@ class Panel : public QDockWidget {
 
   void addBasic();
   void addRegion();
+  void addDetail();
   void addAutomatic();
   void addPieces();
   void addMirror();

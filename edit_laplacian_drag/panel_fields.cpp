@@ -146,7 +146,8 @@ QPushButton* Panel::resetButton() {
   auto* const made = prepared<QPushButton>("defaults", tr("All settings of the panel, as they were at first"));
   made->setText(tr("Reset all"));
   connect(made, &QPushButton::clicked, this, [this] {
-    change([settings = defaults_](DragSession& session) {
+    change([settings = defaults_](DragSession& session) mutable {
+      settings.edit.detail = session.settings().edit.detail;
       session.set_settings(settings);
       session.set(&Tools::gizmo, false);
       session.set(&Tools::axes, GizmoAxes::Layer);

@@ -5,9 +5,12 @@
 #include <QLabel>
 #include <QProgressBar>
 #include <QPushButton>
+#include <QSignalBlocker>
+#include <QSlider>
 #include <QSpinBox>
 #include <QToolButton>
 #include <algorithm>
+#include <cmath>
 
 #include "panel.h"
 #include "panel_icons.h"
@@ -37,6 +40,7 @@ void Panel::addBasic() {
                                  tr("Radius of the disc that a press takes, in percent of the region's radius "
                                     "(Shift+wheel); 0: the vertex under the cursor alone"),
                                  access<&DragSettings::handle_fraction, 100>()));
+  addDetail();
   addAutomatic();
   addPieces();
   auto* const click = state(
@@ -103,6 +107,32 @@ void Panel::addBasic() {
   keepsPlace.setRetainSizeWhenHidden(true);
   progress_->setSizePolicy(keepsPlace);
   form_->addRow(progress_);
+}
+
+void Panel::addDetail() {
+  auto* const detail = prepared<QSlider>(
+      "detail", tr("How much of the detail remains in the region: 0 removes dents and bumps, 100 % keeps them, 200 % "
+                   "doubles them. Needs no drag: press on the dent, or paint it, then move this"));
+  detail->setOrientation(Qt::Horizontal);
+  detail->setRange(0, 200);
+  const auto go = [this, detail] {
+    DragSettings settings = settings_;
+    settings.edit.detail = detail->value() / 100.0;
+    const bool passing = detail->isSliderDown();
+    change([settings, passing](DragSession& session) { session.set_settings(settings, passing); });
+  };
+  connect(detail, &QSlider::valueChanged, this, go);
+  connect(detail, &QSlider::sliderReleased, this, go);
+  auto* const title = new QLabel;
+  title->setToolTip(detail->toolTip());
+  titles_.push_back(title);
+  form_->addRow(title, detail);
+  shown_.push_back([detail, title](const DragSession& session) {
+    const int value = static_cast<int>(std::round(100 * session.settings().edit.detail));
+    const QSignalBlocker blocker(detail);
+    detail->setValue(value);
+    title->setText(tr("Detail %1 %").arg(value));
+  });
 }
 
 void Panel::addAutomatic() {

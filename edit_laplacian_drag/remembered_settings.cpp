@@ -9,6 +9,11 @@ using namespace lapedit;
 
 namespace {
 
+/// Returns whether a setting makes sense for another mesh and another step.
+bool isKept(const Setting& setting) {
+  return setting.kind != Setting::Kind::Length && QString(setting.key) != "detail";
+}
+
 constexpr double DragSettings::*kMembers[] = {&DragSettings::padding, &DragSettings::brush_pixels};
 const char* const kNames[] = {"padding", "brush"};
 const char* const kFalloff = "falloff";
@@ -37,7 +42,7 @@ RememberedSettings::Values RememberedSettings::valuesOf(const DragSettings& sett
   }
   values[kFalloff] = static_cast<double>(settings.falloff);
   for (const Setting& setting : settings_table()) {
-    if (setting.kind != Setting::Kind::Length) {
+    if (isKept(setting)) {
       values[setting.key] = setting.get(settings.edit);
     }
   }
@@ -55,8 +60,7 @@ void RememberedSettings::setValues(const Values& values, DragSettings& settings)
   }
   for (const Setting& setting : settings_table()) {
     const auto found = values.find(setting.key);
-    if (setting.kind != Setting::Kind::Length && found != values.end() && *found >= setting.low &&
-        *found <= setting.high) {
+    if (isKept(setting) && found != values.end() && *found >= setting.low && *found <= setting.high) {
       setting.set(changed.edit, *found);
     }
   }

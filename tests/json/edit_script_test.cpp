@@ -137,11 +137,12 @@ TEST(EditScript, WritesKeysInTheDocumentedOrder) {
   std::string text = write_edit(edit);
   EXPECT_GT(std::count(text.begin(), text.end(), '\n'), 20);
   text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c == ' ' || c == '\n'; }), text.end());
-  EXPECT_EQ(text,
-            R"({"laplacian_edit":1,"mesh":{"vertices":11703},"steps":[{"region":{"radius":1.2155,"padding":0.1},)"
-            R"("handles":[{"vertices":"12-14,77,9-10,9","translation":[0,-0.9,0.3333333333333333],)"
-            R"("rotation":{"axis":[0,0,1],"degrees":0},"scale":1}],"method":"paper","laplacian":"cotangent","order":1,)"
-            R"("membrane":7.5,"handle_weight":10,"anchor_weight":10,"normal_radius":0,"rough":"falloff"}]})");
+  EXPECT_EQ(
+      text,
+      R"({"laplacian_edit":1,"mesh":{"vertices":11703},"steps":[{"region":{"radius":1.2155,"padding":0.1},)"
+      R"("handles":[{"vertices":"12-14,77,9-10,9","translation":[0,-0.9,0.3333333333333333],)"
+      R"("rotation":{"axis":[0,0,1],"degrees":0},"scale":1}],"method":"paper","laplacian":"cotangent","order":1,)"
+      R"("membrane":7.5,"handle_weight":10,"anchor_weight":10,"detail":1,"normal_radius":0,"rough":"falloff"}]})");
   step.settings = EditSettings();
   text = write_edit(edit);
   EXPECT_NE(text.find("\"iterations\": 0"), std::string::npos);
@@ -326,7 +327,7 @@ TEST(EditScript, WritingRefusesWhatCouldNotBeRead) {
   EXPECT_EQ(cause([](Edit& e) { (*e.steps[0].handles[2].transform.matrix)(2, 3) = kNaN; }), ErrorCause::NotFinite);
   EXPECT_EQ(cause([](Edit& e) { e.steps[0].settings.anchor_weight = kInfinity; }), ErrorCause::NotFinite);
   EXPECT_EQ(cause([](Edit& e) { e.steps.clear(); }), ErrorCause::BadScript);
-  EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles.clear(); }), ErrorCause::BadScript);
+  EXPECT_EQ(cause([](Edit& e) { e.steps[0].handles.clear(); }), ErrorCause::BadScript);
   EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles[0].vertices.clear(); }), ErrorCause::BadScript);
   EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles[0].vertices = {3, -1}; }), ErrorCause::BadScript);
   EXPECT_EQ(cause([](Edit& e) { e.steps[1].handles[0].vertices = {11703}; }), ErrorCause::BadScript);

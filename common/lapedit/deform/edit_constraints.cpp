@@ -15,14 +15,15 @@ EditConstraints::EditConstraints(const RestPose& rest)
   }
 }
 
-void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine& anchors) {
+void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine& anchors, const Points& shift) {
   paths_.set(handles, anchors);
   const Points& rest = rest_.local;
+  shift_ = shift;
   moves_rigidly_ = paths_.moves_rigidly();
-  if (moves_rigidly_) {
-    rigid_pose_ = rest;
+  if (starts_elsewhere()) {
+    start_ = rest;
     for (int i = 0; i < region_.size(); ++i) {
-      rigid_pose_.row(i) += rigid_motion(i).displacement(rest.row(i).transpose()).transpose();
+      start_.row(i) += start_displacement(i).transpose();
     }
   }
   any_ = paths_.revolves();
@@ -30,6 +31,15 @@ void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine
     wanted_.row(i) = (wanted_displacement(i) - rigid_motion(i).displacement(rest.row(i).transpose())).transpose();
     any_ |= !wanted_.row(i).isZero(0);
   }
+}
+
+Vector3 EditConstraints::start_displacement(int i) const {
+  const Vector3 rest = rest_.local.row(i).transpose();
+  if (shift_.rows() == 0) {
+    return rigid_motion(i).displacement(rest);
+  }
+  const Vector3 shift = shift_.row(i).transpose();
+  return shift + rigid_motion(i).displacement(rest + shift);
 }
 
 void EditConstraints::fall_off(const GeodesicFalloff& falloff, Points& displacement, ThreadPool& pool) const {

@@ -19,8 +19,11 @@ class EditConstraints {
   explicit EditConstraints(const RestPose& rest);
 
   /// @param handles  one per group, @param anchors motion of the anchors; both in absolute coordinates
+  /// @param shift    displacement of the rest pose that start() begins with, size() x 3; or no rows. Handles and
+  /// anchors
+  ///                 move relative to it
   /// @throws EditError as GroupPaths::set()
-  void set(const std::vector<HandleMotion>& handles, const Affine& anchors);
+  void set(const std::vector<HandleMotion>& handles, const Affine& anchors, const Points& shift = {});
 
   /// Returns c_i - q_i for a handle vertex with the target c_i, size() x 3, where q is the rigidly moved pose; 0 for
   /// all others, since anchors of q are at their targets.
@@ -32,9 +35,12 @@ class EditConstraints {
   const GroupPaths& paths() const { return paths_; }
   GroupPaths& paths() { return paths_; }  ///< to be left at their ends
   bool moves_rigidly() const { return moves_rigidly_; }
-  /// Returns the pose that the solve starts from, relative to the rest pose's origin: rigidly moved if a component
-  /// moves.
-  const Points& start() const { return moves_rigidly_ ? rigid_pose_ : rest_.local; }
+  bool starts_elsewhere() const { return moves_rigidly_ || shift_.rows() > 0; }
+  /// Returns the pose that the solve starts from, relative to the rest pose's origin: shifted, and rigidly moved if a
+  /// component moves.
+  const Points& start() const { return starts_elsewhere() ? start_ : rest_.local; }
+  /// Returns the displacement of vertex i from the rest pose to start().
+  Vector3 start_displacement(int i) const;
   /// Returns the rigid motion of the component of vertex i.
   const LocalMotion& rigid_motion(int i) const { return paths_.rigid_motions()[region_.component[i]]; }
   const Matrix3& rigid_rotation(int i) const { return paths_.rigid_rotations()[region_.component[i]]; }
@@ -52,7 +58,7 @@ class EditConstraints {
   GroupPaths paths_;
   std::vector<int> handles_;
   bool moves_rigidly_ = false, any_ = false;
-  Points rigid_pose_, wanted_;
+  Points shift_, start_, wanted_;
 };
 
 }  // namespace lapedit

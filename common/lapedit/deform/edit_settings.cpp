@@ -86,6 +86,9 @@ const std::vector<Setting>& settings_table() {
                                "How strongly the handle is drawn to its target, 0.000001 to 1000000."),
         row<&S::anchor_weight>(Kind::Number, "anchor_weight", "anchor weight", kWeights, kLightest, kHeaviest,
                                "How strongly the band inside the boundary is held in place, 0.000001 to 1000000."),
+        row<&S::detail>(Kind::Number, "detail", "detail", "a number from 0 to 2", 0, 2,
+                        "How much of the details in the region remains, 0 to 2: 0 removes dents and bumps, 1 keeps "
+                        "them, 2 doubles them."),
         iterations,
         radius,
         rough};

@@ -9,6 +9,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
+#include "lapedit/deform/fair_surface.h"
 #include "lapedit/deform/link_rows.h"
 #include "lapedit/deform/membrane.h"
 #include "lapedit/deform/smooth_normals.h"
@@ -61,6 +62,7 @@ class Preparation {
   /// Makes the factor and, on a second thread where that is faster, the smoothing kernel for the rotations of Lipman et
   /// al. 2004.
   void make_factor_and_kernel();
+  void make_fair_surface();
 
  private:
   bool is_sharp() const;
@@ -275,9 +277,10 @@ bool Preparation::make_sure() {
     s_.correction = found ? std::make_shared<const WoodburyCorrection>(std::move(*found)) : nullptr;
     return found.has_value();
   }
+  const bool has_handle = s_.region.count(VertexClass::Handle) > 0;
   Points right = Points::Zero(s_.region.size(), 3), x;
   for (int i = 0; i < s_.region.size(); ++i) {
-    if (s_.region.classes[i] == VertexClass::Handle) {
+    if (s_.region.classes[i] == (has_handle ? VertexClass::Handle : VertexClass::Anchor)) {
       right.row(i).setConstant(s_.squared_weights[i]);
     }
   }
@@ -293,6 +296,14 @@ void Preparation::make_kernel() {
   s_.kernel = std::make_unique<const SmoothingKernel>(s_.region, s_.rest.local, s_.normal_radius, s_.options.threads);
   if (settings.rough == RoughDeformation::Falloff) {
     s_.falloff = geodesic_falloff(s_.region, s_.rest.local);
+  }
+}
+
+void Preparation::make_fair_surface() {
+  if (previous_ && previous_->fair && operator_reused_ && same_handles() && previous_->rest.world == s_.rest.world) {
+    s_.fair = previous_->fair;
+  } else if (s_.settings.detail != 1) {
+    s_.fair = std::make_shared<const Points>(fair_displacement(s_));
   }
 }
 
@@ -317,6 +328,7 @@ std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, 
   made->figures.operator_ms = watch.elapsed();
   report_progress(0.2, "factorisation");
   preparation.make_factor_and_kernel();
+  preparation.make_fair_surface();
   return made;
 }
 

@@ -58,6 +58,7 @@ struct LaplacianSystem {
   double normal_radius = 0;                       ///< of the kernel; 0 without
   std::unique_ptr<const SmoothingKernel> kernel;  ///< for EditMethod::Paper, else null
   GeodesicFalloff falloff;                        ///< empty unless rotations are estimated from it
+  std::shared_ptr<const Points> fair;             ///< fair_displacement(); null if it is not known
 
   LaplacianSystem(std::shared_ptr<const RestPose> pose, const EditSettings& given, const SolverOptions& with)
       : shared_rest(std::move(pose)), rest(*shared_rest), region(*rest.region), settings(given), options(with) {}

@@ -11,11 +11,11 @@ namespace lapedit {
 /// it.
 struct RestPose {
   std::shared_ptr<const Region> region;
-  Vector3 origin = Vector3::Zero();  ///< the first handle vertex
+  Vector3 origin = Vector3::Zero();  ///< the first handle vertex, or the first of a region without a handle
   Points world;                      ///< as given, size() x 3
   Points local;                      ///< relative to `origin`, so that no digits are lost far from zero
 
-  /// @param mesh  not kept after construction. @throws EditError (NoHandle)
+  /// @param mesh  not kept after construction
   RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> with);
 };
 

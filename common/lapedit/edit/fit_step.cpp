@@ -116,6 +116,12 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
                     "A fit cannot be mirrored, since the scan decides on both sides: remove the key mirror.")
         .at("mirror");
   }
+  if (step.settings.detail != 1) {
+    throw EditError(ErrorCause::BadParameter,
+                    "A fit keeps the details that fit.detail says: remove the key detail of the step, or apply it in a "
+                    "step of its own.")
+        .at("detail");
+  }
   std::vector<FitLandmark> landmarks = landmarks_of(step);
   std::vector<int> handle;
   handle.reserve(landmarks.size());

@@ -54,6 +54,7 @@ void PreparedStep::prepare(const Adjacency& adjacency, double fraction, const La
   }
   validate(step_.settings);
   report_progress(0, "region");
+  step_.region.without_handle = step_.handles.empty();
   FoundRegion found =
       find_region(mesh_, adjacency, step_.region, groups_of(step_), weights_of(step_), options_.solver.threads);
   motions_of(mesh_, step_, fraction);
@@ -85,7 +86,7 @@ void PreparedStep::pose(double fraction, std::vector<int>& vertices, Points& pos
     positions = positions_at(fitted_, mesh_, fraction, options_.scalar);
     vertices = fitted_.vertices;
   } else {
-    positions = solver_->pose(motions_of(mesh_, step_, fraction), Affine::Identity());
+    positions = solver_->pose(motions_of(mesh_, step_, fraction), Affine::Identity(), fraction);
     vertices = region().mesh_vertex;
   }
   const std::size_t own = vertices.size();

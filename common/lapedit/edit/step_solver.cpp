@@ -114,7 +114,7 @@ StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSe
 StepSolver::~StepSolver() = default;
 
 void StepSolver::make_cells() {
-  if (!cells_) {
+  if (!cells_ && !constraints_.handles().empty()) {
     make_cells(options_.solver.threads);
   }
 }
@@ -145,7 +145,7 @@ void StepSolver::take(std::shared_ptr<const LaplacianSystem> system) {
 
 void StepSolver::prepare(const TriangleMesh& mesh, const LaplacianSystem* previous) {
   constexpr int kWorthAThread = 2000;
-  const bool has_cells = settings_.method == EditMethod::Default && !cells_;
+  const bool has_cells = settings_.method == EditMethod::Default && !cells_ && !constraints_.handles().empty();
   const bool apart = has_cells && region().size() >= kWorthAThread && thread_count(options_.solver.threads) > 1;
   std::shared_ptr<const LaplacianSystem> system;
   ThreadPool(apart ? 2 : 1).each(has_cells ? 2 : 1, [&](int k) {
@@ -251,12 +251,12 @@ void StepSolver::collect(Points& positions) {
   positions.resize(region().size(), 3);
   in_pieces(pool(), region().size(), kGrain, [&](int first, int last) {
     const int rows = last - first;
-    if (!constraints_.moves_rigidly()) {
+    if (!constraints_.starts_elsewhere()) {
       positions.middleRows(first, rows) = rest_->world.middleRows(first, rows) + displacement_.middleRows(first, rows);
       return;
     }
     for (int i = first; i < last; ++i) {
-      const Vector3 along = constraints_.rigid_motion(i).displacement(rest_->local.row(i).transpose());
+      const Vector3 along = constraints_.start_displacement(i);
       positions.row(i) = rest_->world.row(i) + (displacement_.row(i) + along.transpose());
     }
   });
@@ -276,9 +276,18 @@ void StepSolver::settle() {
   ++preparation_.poses;
 }
 
-const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const Affine& anchors) {
+/// Sets the targets of the next frame or pose, and the rest pose with its detail. Checks the handles.
+void StepSolver::set(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction) {
   stage_ = Stage::None;
-  constraints_.set(handles, anchors);  // checks the handles
+  if (settings_.detail == 1 || !system_) {
+    constraints_.set(handles, anchors);
+  } else {
+    constraints_.set(handles, anchors, fraction * (1 - settings_.detail) * *system_->fair);
+  }
+}
+
+const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction) {
+  set(handles, anchors, fraction);
   start(false);
   stage_ = Stage::Full;
   while (stage_ != Stage::Settled) {
@@ -289,8 +298,7 @@ const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const A
 }
 
 void StepSolver::frame(const std::vector<HandleMotion>& handles, Points& positions) {
-  stage_ = Stage::None;
-  constraints_.set(handles, Affine::Identity());
+  set(handles, Affine::Identity(), 1);
   start(true);
   stage_ = Stage::Quick;
   if (system_) {

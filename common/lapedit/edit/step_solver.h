@@ -78,6 +78,9 @@ struct StepOptions {
 /// that are posed quickly, or is their pose alone until there is a system: an approximation in a fraction of the time.
 /// refine() replaces it, pass by pass, by the pose.
 ///
+/// With another detail than 1 the pose p is p + (1 - detail) (b - p) in all of this, see fair_displacement(). Handles
+/// move relative to it. Without a handle that is the result.
+///
 /// Other handles, anchors or settings need a new object, which can reuse the system of an old one.
 class StepSolver {
  public:
@@ -87,7 +90,8 @@ class StepSolver {
              const StepOptions& options = {});
   ~StepSolver();
 
-  /// Makes cells if there are none, so that frames are available. Cost: some milliseconds per 10000 vertices.
+  /// Makes cells if there are none, and there is a handle, so that frames are available. Cost: some milliseconds per
+  /// 10000 vertices.
   /// @throws EditError (IllConditioned, Cancelled)
   void make_cells();
   /// Makes the system: the operator, one sparse Cholesky factorisation, tables. The object does not change, so another
@@ -114,11 +118,13 @@ class StepSolver {
   /// exactly; one with anchors by the map given for them.
   /// @param handles   one motion per handle group; an affine map converts to a motion
   /// @param anchors   motion of the anchors; in an edit the identity
+  /// @param fraction  of the change that the setting `detail` makes
   /// @return          size() x 3, model units, rounded to the mesh's precision; valid until the next call. Row i
   ///                  belongs to region().mesh_vertex[i]
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the object stays usable
   /// Cost: some passes, each with a solve or, the last one, three to six. Nothing is allocated after the first call.
-  const Points& pose(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity());
+  const Points& pose(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity(),
+                     double fraction = 1);
   /// Returns the rotations of the last pose, one per region vertex.
   const std::vector<Matrix3>& rotations() const { return rotations_; }
 
@@ -127,8 +133,10 @@ class StepSolver {
   EditReport report() const;
 
   /// Returns whether frames are available and cheaper than poses: with cells, but not with EditMethod::Paper once there
-  /// is a system.
-  bool has_frames() const { return cells_ && (!system_ || settings_.method != EditMethod::Paper); }
+  /// is a system, nor with another detail before.
+  bool has_frames() const {
+    return cells_ && (system_ ? settings_.method != EditMethod::Paper : settings_.detail == 1);
+  }
   /// Computes a frame with few passes over the cells. Requires has_frames().
   /// @param positions  out: as pose() returns them
   /// After the first call memory is allocated for targets only. @throws EditError (NoHandle, NotFinite)
@@ -160,6 +168,7 @@ class StepSolver {
   };
 
   void make_cells(int threads);
+  void set(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction);
   void start(bool quick);
   void rotate();
   void correct(double accuracy);

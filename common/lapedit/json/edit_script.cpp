@@ -522,10 +522,18 @@ void visit(Keys& keys, EditStep& step) {
   RegionKeys region = {step};
   keys.need("region", region);
   keys.may("fit", step.fit, step.fit.has_value());
-  const bool has_no_landmarks = step.fit && keys.has("handles") && (*keys.from)["handles"].json == Json::array();
-  if (!step.fit && (keys.from != nullptr || keys.to != nullptr)) {
+  const bool is_empty = keys.has("handles") && (*keys.from)["handles"].json == Json::array();
+  const bool is_alone =
+      keys.from == nullptr ? step.handles.empty() : (!keys.has("handles") || is_empty) && keys.has("detail");
+  const bool is_detail = is_alone && step.region.kind == RegionSpec::Kind::Vertices;
+  if (is_alone && !is_detail && !step.fit) {
+    keys.refuse("detail",
+                "needs handles in this region, since radius and component begin at a handle; give the region by "
+                "vertices, within or selected.");
+  }
+  if (!step.fit && (keys.from != nullptr || keys.to != nullptr) && !is_detail) {
     keys.need("handles", step.handles);
-  } else if (!has_no_landmarks) {
+  } else if (!is_empty) {
     keys.may("handles", step.handles, !step.handles.empty());
   }
   keys.may("mirror", step.mirror, step.mirror.has_value());

@@ -29,9 +29,9 @@ std::string key_of(std::size_t group, const char* key) {
 
 /// Returns all handle vertices, ascending, and fills the group of each mesh vertex (-1: none).
 std::vector<int> collect_handles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
-                                 std::vector<int>& group_of) {
+                                 bool without_handle, std::vector<int>& group_of) {
   const int n = static_cast<int>(mesh.vertices.rows());
-  if (groups.empty()) {
+  if (groups.empty() && !without_handle) {
     throw EditError(ErrorCause::NoHandle, "There is no handle: name at least one vertex to move.").at("handles");
   }
   group_of.assign(n, -1);
@@ -424,6 +424,9 @@ void take_weights(const std::vector<std::vector<int>>& groups, const std::vector
 
 /// Returns whether the handles' own edges connect them all. The region, which is reached from them, is connected then.
 bool are_connected(const std::vector<std::pair<int, int>>& handles, const Region& region) {
+  if (handles.empty()) {
+    return false;
+  }
   std::vector<int> found{handles[0].first};
   if (handles.size() > 1) {
     std::vector<char> is_found(region.size(), 0);
@@ -476,6 +479,33 @@ void find_components(const std::vector<std::pair<int, int>>& handles, Region& re
   throw EditError(ErrorCause::NothingToFollow, sentence);
 }
 
+/// Returns the vertices of a set that have neighbours outside.
+std::vector<int> boundary_of(const Adjacency& adjacency, const std::vector<char>& flags) {
+  std::vector<int> boundary;
+  for (int v = 0; v < static_cast<int>(flags.size()); ++v) {
+    const CompressedRows::Row ring = adjacency.neighbours[v];
+    if (flags[v] && std::any_of(ring.begin(), ring.end(), [&flags](int w) { return !flags[w]; })) {
+      boundary.push_back(v);
+    }
+  }
+  return boundary;
+}
+
+/// Replaces distances from the boundary of a region without a handle.
+void measure_from_the_middle(Region& region) {
+  if (region.size() == 0) {
+    throw EditError(
+        ErrorCause::NothingToFollow,
+        "The region is a whole piece of the surface, so no vertex around it stays: choose a smaller region, "
+        "or give a handle.")
+        .at("region");
+  }
+  const double largest = *std::max_element(region.distance.begin(), region.distance.end());
+  for (double& distance : region.distance) {
+    distance = largest - distance;
+  }
+}
+
 /// Lists the edges of the region's graph that the mesh does not have.
 void find_links(const Adjacency& adjacency, Region& region) {
   region.links.clear();
@@ -507,7 +537,7 @@ std::vector<char> linkable(const TriangleMesh& mesh, const RegionSpec& spec,
     }
   } else if (near) {
     std::vector<int> group_of;
-    const Eigen::AlignedBox3d box = bounding_box(mesh.vertices, collect_handles(mesh, groups, group_of));
+    const Eigen::AlignedBox3d box = bounding_box(mesh.vertices, collect_handles(mesh, groups, false, group_of));
     const Vector3 margin = Vector3::Constant(rounded_up(spec.radius + 3 * spec.connect_gap));
     const Eigen::AlignedBox3d reach(box.min() - margin, box.max() + margin);
     for (int v = 0; v < n; ++v) {
@@ -547,14 +577,14 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     return build_connected(mesh, adjacency, spec, groups, threads, weights);
   }
   std::vector<int> local;  // holds the handles' groups first
-  const std::vector<int> handles = collect_handles(mesh, groups, local);
+  const bool given_set = spec.kind == RegionSpec::Kind::Vertices;
+  const std::vector<int> handles = collect_handles(mesh, groups, given_set && spec.without_handle, local);
   check_weights(groups, weights);
   std::vector<std::pair<int, int>> local_handles;
   local_handles.reserve(handles.size());
   for (const int v : handles) {
     local_handles.emplace_back(v, local[v]);
   }
-  const bool given_set = spec.kind == RegionSpec::Kind::Vertices;
   std::vector<char> flags;
   if (given_set) {
     flags = flag_set(mesh, spec.vertices, handles);
@@ -568,7 +598,8 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   ThreadPool pool(region.mesh_vertices >= 4 * kGrain ? threads : 1);
   Attached attached;
   {
-    const DistanceField field({mesh, adjacency}, handles, cutoff, given_set ? &flags : nullptr, pool);
+    const std::vector<int> seeds = handles.empty() ? boundary_of(adjacency, flags) : handles;
+    const DistanceField field({mesh, adjacency}, seeds, cutoff, given_set ? &flags : nullptr, pool);
     if (spec.tips || spec.pieces) {
       std::vector<double> distance(local.size());
       for (int v = 0; v < region.mesh_vertices; ++v) {
@@ -581,13 +612,16 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
     }
   }
   region.pieces = attached.pieces;
+  if (handles.empty()) {
+    measure_from_the_middle(region);
+  }
   for (auto& handle : local_handles) {
     handle.first = local[handle.first];
   }
   if (given_set) {
     require_finite(mesh, adjacency, spec.vertices, true);
   }
-  if (region.size() == static_cast<int>(handles.size())) {
+  if (!handles.empty() && region.size() == static_cast<int>(handles.size())) {
     require_finite(mesh, adjacency, region.mesh_vertex, given_set);
     refuse_handle_only(mesh, adjacency, spec, handles);
   }

@@ -70,6 +70,8 @@ struct RegionSpec {
   /// Also takes small pieces of the mesh that what moves encloses or touches, such as eyes and teeth: of a given set
   /// those that are whole in it. They keep their distance to the surface.
   bool pieces = false;
+  /// Kind::Vertices: there may be no handle. Distances are then those from the boundary, subtracted from the largest.
+  bool without_handle = false;
 };
 
 /// A region of interest with classified vertices. All arrays use local vertex numbers 0 .. size() - 1, except the
@@ -82,7 +84,7 @@ struct Region {
   std::vector<char> anchored;        ///< per component: whether it has an anchor
   /// Factor of the weight of each Handle vertex, 1 for others; empty: 1 for all.
   std::vector<double> handle_weight;
-  std::vector<double> distance;       ///< geodesic distance from the nearest handle vertex
+  std::vector<double> distance;       ///< geodesic distance from the nearest handle vertex, see also without_handle
   std::vector<double> anchor_weight;  ///< d / d_max for anchors, 0 for others (paper, section 5)
   /// For anchors: 0 at the inner edge of their band to 1 at the region's end; may be empty.
   std::vector<double> anchor_depth;

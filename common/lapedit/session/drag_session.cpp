@@ -77,7 +77,7 @@ std::string DragSession::next_click() const {
   if (model_.tools.awaits_pivot()) {
     return messages::kNextIsPivot;
   }
-  if (solver_.in<Idle>()) {
+  if (model_.groups().empty()) {
     return selection.has_region ? messages::kPickInRegion : messages::kPickAnywhere;
   }
   if (!model_.unconnected.empty()) {
@@ -97,7 +97,7 @@ std::string DragSession::next_click() const {
 
 // --- Settings -------------------------------------------------------------------------------------------------------
 
-void DragSession::set_settings(const DragSettings& settings) {
+void DragSession::set_settings(const DragSettings& settings, bool passing) {
   model_.refusal.clear();
   try {
     validate(settings);
@@ -109,6 +109,9 @@ void DragSession::set_settings(const DragSettings& settings) {
   if (settings.radius != before.radius && settings.radius != settings.first_radius) {
     model_.settings.first_radius = 0;  // the user sets the radius from now on
   }
+  if (solver_.in<Loading>() || solver_.in<Dragging>()) {
+    model_.settings.edit.detail = before.edit.detail;
+  }
   if (solver_.in<Loading>()) {
     return;
   }
@@ -116,11 +119,17 @@ void DragSession::set_settings(const DragSettings& settings) {
   const bool new_discs = disc_radius(settings) != disc_radius(before) || settings.falloff != before.falloff;
   const bool new_settings = settings.padding != before.padding || settings.connect_gap != before.connect_gap ||
                             settings.pieces != before.pieces || settings.edit != before.edit;
+  const bool closes = solver_.in<Adjusting>() && solver_.in<Adjusting>()->open && !passing;
   // They change the last step while it is adjustable; the radius only if it is being solved again or has a radius.
-  if (solver_.adjustable() && model_.history.can_undo() &&
-      (new_settings || (new_radius && (solver_.in<Adjusting>() ||
-                                       model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
-    solver_.adjust();
+  if (solver_.adjustable() && (solver_.in<Adjusting>() || model_.history.can_undo()) &&
+      (new_settings || closes ||
+       (new_radius &&
+        (solver_.in<Adjusting>() || model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
+    solver_.adjust(passing);
+    return;
+  }
+  if (model_.settings.edit.detail != before.edit.detail) {
+    solver_.begin_detail(passing);
     return;
   }
   // The radius applies to regions that were grown by it, also after a step.
@@ -314,6 +323,7 @@ void DragSession::inherit(const Inheritance& before) {
   if (settings.first_radius > 0) {  // the radius is that of a protrusion
     settings.radius = settings.first_radius;
   }
+  settings.edit.detail = 1;
   set_settings(settings);
   earlier_ = before.saved;
   const Edit now = recorded();

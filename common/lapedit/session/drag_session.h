@@ -104,9 +104,11 @@ class DragSession {
   const DragSettings& settings() const { return model_.settings; }
   /// Returns the settings with the radius that a press at the cursor would take, for a wheel that changes it.
   DragSettings settings_at_cursor() const;
-  /// Re-solves the drag in progress or, until something else is picked, the step applied last. Values out of range are
+  /// Re-solves the drag in progress or, until something else is picked, the step applied last. Another detail without
+  /// such a step is a step of its own, without a handle. Values out of range are
   /// refused by message() and leave the settings as they were.
-  void set_settings(const DragSettings& settings);
+  /// @param passing  only shows the result: another change follows
+  void set_settings(const DragSettings& settings, bool passing = false);
   Tools tools() const;
   /// A change of the mirror plane, or of what is painted, is refused by message() while a step is solved
   /// for.

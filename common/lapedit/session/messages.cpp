@@ -113,6 +113,9 @@ std::string saved_step(const EditStep& step, const std::vector<int>& moved) {
   if (step.fit) {
     return "Fit to a scan";
   }
+  if (step.handles.empty()) {
+    return "Detail";
+  }
   const HandleGroup* const handle = moved.empty() ? nullptr : &step.handles[static_cast<std::size_t>(moved.back())];
   if (handle == nullptr || handle->transform.matrix) {
     return "Step of a saved edit";

@@ -53,6 +53,8 @@ constexpr const char* kNoRegionVertices = "No vertices are selected: select some
 constexpr const char* kNoComponent =
     "There is no handle whose component could become the region: click on the surface first.";
 constexpr const char* kNoRegion = "There is no region yet: click on the surface first.";
+constexpr const char* kNoBoundary =
+    "The region is a whole piece, so nothing around it stays: take a smaller one, then change the detail.";
 constexpr const char* kNothingLeft = "The region would have no vertices left: it was not changed.";
 constexpr const char* kRegionNotKnown = "The region is still being computed: wait a moment.";
 constexpr const char* kNotSymmetric = "No plane was found at which the mesh mirrors itself: choose X, Y or Z instead.";

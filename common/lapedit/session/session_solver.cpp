@@ -49,8 +49,17 @@ DragFigures SessionSolver::figures() const {
 
 // --- Regions ---------------------------------------------------------------------------------------------------------
 
+/// Returns the settings of a drag, which keeps the detail.
+EditSettings SessionSolver::plain_settings() const {
+  EditSettings settings = model_.settings.edit;
+  settings.detail = 1;
+  return settings;
+}
+
 void SessionSolver::rest(bool adjustable) {
-  if (model_.groups().empty()) {
+  const AppliedStep* const last = adjustable && model_.history.can_undo() ? &model_.history.steps().back() : nullptr;
+  model_.settings.edit.detail = last ? last->step.settings.detail : 1;
+  if (model_.groups().empty() && !(last && last->step.handles.empty() && !last->step.fit)) {
     phase_ = Idle();
   } else {
     phase_ = Picked{adjustable};
@@ -80,7 +89,7 @@ void SessionSolver::prepare() {
     return;
   }
   PrepareTask task{model_.history.mesh(), model_.adjacency, selection.region,  selection.groups,
-                   model_.settings.edit,  model_.scalar,    selection.weights, tools.mirror};
+                   plain_settings(),      model_.scalar,    selection.weights, tools.mirror};
   if (tools.mirror) {
     try {
       tools.mirrored =
@@ -129,6 +138,7 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
     }
   } else {
     phase_ = Dragging{motion, by_button};
+    model_.settings.edit.detail = 1;
   }
   return true;
 }
@@ -218,7 +228,7 @@ void SessionSolver::discard() {
     const std::vector<int>& vertices = adjusting->region->mesh_vertex;
     model_.show(vertices, gather(model_.mesh().vertices, vertices), true);
   }
-  rest(loading ? loading->adjustable : adjustable());
+  rest(loading ? loading->adjustable : adjustable() && !(in<Adjusting>() && in<Adjusting>()->is_new));
   if (std::shared_ptr<const Region> awaited = model_.shown.take_awaited()) {
     model_.back_to_mesh(true);
     model_.show_region(std::move(awaited));
@@ -255,8 +265,28 @@ void SessionSolver::begin_adjusting() {
   }
 }
 
-void SessionSolver::adjust() {
+void SessionSolver::begin_detail(bool open) {
+  const Selection& selection = model_.selection;
+  const bool is_known = !model_.groups().empty() ? model_.shown.region() && preparation_.ready : selection.by_hand;
+  const bool has_boundary = selection.region.kind != RegionSpec::Kind::Component;
+  if (!is_known || !has_boundary) {
+    model_.refusal = preparation_.running ? messages::kRegionNotKnown
+                     : is_known           ? messages::kNoBoundary
+                                          : messages::kNoRegion;
+    model_.settings.edit.detail = 1;
+    return;
+  }
+  EditStep step;
+  step.region = with_region_kept(surface(), selection).region;
+  step.mirror = model_.tools.mirror;
+  step.settings = model_.settings.edit;
+  phase_ = Adjusting{std::move(step), model_.history.mesh(), {}, true, open};
+  request_adjusted(true);
+}
+
+void SessionSolver::adjust(bool open) {
   begin_adjusting();
+  in<Adjusting>()->open = open;
   const DragSettings& settings = model_.settings;
   EditStep& step = in<Adjusting>()->step;
   step.settings = settings.edit;
@@ -304,6 +334,7 @@ void SessionSolver::request_adjusted(bool prepares) {
   for (std::size_t g = 0; g < written.handles.size(); ++g) {
     sort_group(written.handles[g], g);
   }
+  written.region.without_handle = written.handles.empty();
   if (prepares) {
     figures_ = DragFigures();
     adjusting.region = nullptr;
@@ -349,7 +380,7 @@ void SessionSolver::commit_drag() {
   History& history = model_.history;
   EditStep step;
   step.region = selection.region;
-  step.settings = model_.settings.edit;
+  step.settings = plain_settings();
   step.mirror = model_.tools.mirror;
   for (std::size_t g = 0; g < selection.groups.size(); ++g) {
     step.handles.push_back({selection.groups[g], drag.given[g], selection.weights[g], drag.targets[g]});
@@ -372,10 +403,17 @@ void SessionSolver::commit_adjusted() {
   History& history = model_.history;
   const std::shared_ptr<const Region> region = adjusting.region;
   model_.shown.await(nullptr);
-  model_.show(history.steps().back().vertices, history.steps().back().before, false);
+  if (!adjusting.is_new) {
+    model_.show(history.steps().back().vertices, history.steps().back().before, false);
+  }
   EditResult pose = model_.with_others(region->mesh_vertex, solved_.positions);
-  const AppliedStep& applied =
-      history.adjust(adjusting.step, std::move(pose.vertices), std::move(pose.positions), std::move(adjusting.path));
+  const AppliedStep& applied = adjusting.is_new
+                                   ? history.apply(adjusting.step, std::move(pose.vertices), std::move(pose.positions))
+                                   : history.adjust(adjusting.step, std::move(pose.vertices), std::move(pose.positions),
+                                                    std::move(adjusting.path));
+  if (adjusting.is_new) {
+    model_.timeline.add({messages::saved_step(adjusting.step, {}), true, model_.selection});
+  }
   model_.show(applied.vertices, applied.after, true);
   model_.log(messages::step_adjusted(history.steps().size(), region->size(), figures_.prepare_ms.value_or(0),
                                      figures_.solve_ms.value_or(0)));
@@ -416,7 +454,7 @@ void SessionSolver::progress() {
   model_.shown.settle();
   model_.selection = with_region_kept(surface(), model_.selection);
   model_.timeline.change_last().after = model_.selection;
-  phase_ = Picked{true};
+  rest(true);
   prepare();
 }
 

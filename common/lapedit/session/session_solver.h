@@ -42,11 +42,12 @@ struct Dragging {
   int first_serial = std::numeric_limits<int>::max(), last_serial = 0;  ///< of the requested solves
 };
 
-/// The last step is being solved again with other settings.
+/// The last step is being solved again with other settings, or a new one without a handle is solved.
 struct Adjusting {
   EditStep step;
   std::shared_ptr<const TriangleMesh> base;  ///< the mesh before the step
   StepPath path;
+  bool is_new = false;
   bool open = false;                                               ///< changes continue: poses are shown, not applied
   std::shared_ptr<const Region> region = nullptr;                  ///< of the step, once it is known
   int first_serial = std::numeric_limits<int>::max(), serial = 0;  ///< of the solves
@@ -128,7 +129,8 @@ class SessionSolver {
   void prepare();
   /// Prepares after a change of groups or region.
   void handles_changed();
-  /// Ends a drag or adjustment. @param adjustable  whether settings still apply to the last step
+  /// Ends a drag or adjustment. @param adjustable  whether settings still apply to the last step. The detail is that
+  /// step's, or 1, since it is meant for one step
   void rest(bool adjustable);
 
   // Drags ------------------------------------------------------------------------------------------------------------
@@ -146,10 +148,11 @@ class SessionSolver {
 
   // Steps ------------------------------------------------------------------------------------------------------------
 
-  /// Solves the last step again with the current settings.
-  void adjust();
+  /// Solves the last step again with the current settings. @param open  only shows the result: another change follows
+  void adjust(bool open);
+  /// Begins a step that changes the detail of the region and moves no handle, or reports why not.
+  void begin_detail(bool open);
   /// Solves the last step again with another motion, or a fraction of it; adjustable() has to hold.
-  /// @param open  only shows the result: another change follows
   void adjust_path(const HandleTransform& motion, double fraction, bool open);
   void load(Edit edit);
   /// Prepares the region after undone or redone steps. @param applied  whether settings apply to the last step
@@ -162,6 +165,7 @@ class SessionSolver {
   bool wait(std::chrono::milliseconds longest = std::chrono::hours(1)) { return worker_.wait(longest); }
 
  private:
+  EditSettings plain_settings() const;
   void request_preparation(PrepareTask task);
   void set_targets(phase::Dragging& drag) const;
   bool take_pose();
