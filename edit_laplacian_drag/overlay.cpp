@@ -177,7 +177,15 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   }
   if (view.valid()) {
     const pen::InPixels pixels(options.width, options.height);
-    if (options.brush) {
+    if (session.lasso() != nullptr) {
+      pen::rimmed(brushColor(session), 1.5, ratio, [&] {
+        glBegin(GL_LINE_LOOP);
+        for (const Vector2& pixel : *session.lasso()) {
+          pen::vertex(pixel);
+        }
+        glEnd();
+      });
+    } else if (options.brush) {
       drawBrush(*options.brush, brushColor(session), ratio);
     } else {
       drawGizmoOf(session, view, ratio);

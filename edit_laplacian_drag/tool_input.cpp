@@ -163,7 +163,9 @@ Cursor LaplacianDragTool::cursor() const {
 }
 
 PressModifiers LaplacianDragTool::pressModifiers() const {
-  return {bool(mouse_.modifiers & Qt::ControlModifier), bool(mouse_.modifiers & Qt::ShiftModifier)};
+  const bool paints = mouse_.modifiers & (Qt::ControlModifier | Qt::ShiftModifier);
+  return {bool(mouse_.modifiers & Qt::ControlModifier), bool(mouse_.modifiers & Qt::ShiftModifier),
+          paints && (mouse_.modifiers & Qt::AltModifier)};
 }
 
 /// Shows what a press would pick.
@@ -218,7 +220,8 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
     cancelMotion();
     return;
   }
-  const bool around = event.button() != Qt::LeftButton || (event.modifiers() & Qt::AltModifier);
+  const bool lasso = pressModifiers().lasso;
+  const bool around = event.button() != Qt::LeftButton || ((event.modifiers() & Qt::AltModifier) && !lasso);
   if (around) {
     if (mouse_.navigating == Qt::NoButton && !mouse_.pressed) {
       mouse_.navigating = event.button();
@@ -239,7 +242,7 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   mouse_.pressed = true;
   mouse_.moved = false;
   mouse_.pressedAt = event.localPos();
-  const bool covered = !active_->session().motion() && isCovered();
+  const bool covered = !active_->session().motion() && !lasso && isCovered();
   if (covered || (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier)) {
     mouse_.pressed = false;
     mouse_.asks = true;

@@ -86,7 +86,8 @@ void LaplacianDragTool::draw() {
     const Colours colours = shown_.warning ? Colours::Stretch : shared_->panel().colours();
     options.colours = colours == Colours::RegionAtRest ? (session.motion() ? Colours::None : Colours::Region) : colours;
     const bool takes = mouse_.modifiers & Qt::ShiftModifier;
-    if ((takes || mouse_.modifiers & Qt::ControlModifier || session.tools().paint) && !session.motion()) {
+    const bool paints = takes || mouse_.modifiers & Qt::ControlModifier || session.tools().paint;
+    if (paints && !session.motion() && !(mouse_.modifiers & Qt::AltModifier)) {
       options.brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
     }
     overlay_.draw(session, view_, options);

@@ -7,7 +7,7 @@
 #include "drag_support.h"
 #include "lapedit/mesh/vertex_set.h"
 
-// What is painted as a whole, curves of the handle's fall-off, and drags about a pivot.
+// What is painted as a whole, the lasso, curves of the handle's fall-off, and drags about a pivot.
 namespace lapedit::drag_paint_test {
 namespace {
 
@@ -287,6 +287,62 @@ TEST(DragSteps, LoadedStepsKeepTheirNames) {
   EXPECT_EQ(names[1].name, window.session.timeline().done()[1].name);
   EXPECT_EQ(names[1].name.find("Turning by"), 0U);
   EXPECT_EQ(names[2].name, "Moving by 2 along X");
+}
+
+// --- Lasso -----------------------------------------------------------------------------------------------------------
+
+/// Draws a closed rectangle of pixels.
+void draw_lasso(Window& window, const Vector2& low, const Vector2& high, PressModifiers modifiers) {
+  modifiers.lasso = true;
+  window.session.press(window.at(low), modifiers);
+  for (const Vector2& corner : {Vector2(low.x(), high.y()), high, Vector2(high.x(), low.y())}) {
+    window.session.move(window.at(corner));
+  }
+  window.session.release(window.at(Vector2(high.x(), low.y())));
+  window.session.wait();
+}
+
+TEST(DragLasso, PaintsWhatIsVisibleInside) {
+  // A sheet above a larger one, which it hides in part.
+  TriangleMesh mesh = shapes::grid(30, 30);
+  const TriangleMesh above = shapes::grid(8, 8);
+  const auto below = static_cast<int>(mesh.vertices.rows());
+  const Eigen::Index faces = mesh.faces.rows();
+  mesh.vertices.conservativeResize(below + above.vertices.rows(), 3);
+  mesh.vertices.bottomRows(above.vertices.rows()) = above.vertices.rowwise() + Eigen::RowVector3d(10.25, 10.25, 3);
+  mesh.faces.conservativeResize(faces + above.faces.rows(), 3);
+  mesh.faces.bottomRows(above.faces.rows()) = above.faces.array() + below;
+  Window window(mesh);
+  const auto pixel = [&](double x, double y) { return window.view.pixel(Vector3(x, y, 0)); };
+  const auto expected = [&](double low, double high, bool with_above) {
+    std::vector<int> vertices;
+    for (int v = 0; v < static_cast<int>(mesh.vertices.rows()); ++v) {
+      const double x = mesh.vertices(v, 0), y = mesh.vertices(v, 1);
+      const bool hidden = v < below && x > 10.25 && x < 17.25 && y > 10.25 && y < 17.25;
+      if (std::min(x, y) > low && std::max(x, y) < high && !hidden && (with_above || v < below)) {
+        vertices.push_back(v);
+      }
+    }
+    return vertices;
+  };
+  draw_lasso(window, pixel(5.5, 5.5), pixel(20.5, 20.5), {true, false});
+  EXPECT_EQ(window.session.selection().region.vertices, expected(5.5, 20.5, true));
+  draw_lasso(window, pixel(5.5, 5.5), pixel(9.5, 9.5), {false, true});
+  EXPECT_EQ(window.session.selection().region.vertices, without(expected(5.5, 20.5, true), expected(5.5, 9.5, false)));
+  window.undo(2);
+  EXPECT_FALSE(window.session.selection().has_region);
+}
+
+TEST(DragLasso, PaintsTheTargetAndBeginsBesideTheMesh) {
+  Window window(shapes::grid(30, 30));
+  window.click(15 * 30 + 15);
+  window.session.set(&Tools::paint, std::optional(BrushTarget::Anchors));
+  draw_lasso(window, {1, 1}, {support::kWidth / 2, support::kHeight - 1}, {true, false});
+  EXPECT_GT(window.session.selection().held.size(), 300U);
+  EXPECT_FALSE(window.session.lasso());
+  window.session.press(window.at(Vector2(1, 1)), {true, false, true});
+  window.session.release(window.at(Vector2(1, 1)));
+  EXPECT_GT(window.session.selection().held.size(), 300U) << "a click without a line paints nothing";
 }
 
 }  // namespace

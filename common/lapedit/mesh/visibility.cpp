@@ -264,4 +264,32 @@ SurfaceHit hit_of(const TriangleMesh& mesh, const Ray& ray, int face, double dis
   return hit;
 }
 
+std::vector<int> enclosed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
+                                   const Camera& view, const std::vector<Vector2>& line) {
+  const auto encloses = [&line](const Vector2& pixel) {
+    bool inside = false;
+    for (std::size_t k = 0; k < line.size(); ++k) {
+      const Vector2 &a = line[k], &b = line[(k + 1) % line.size()];
+      const bool crosses = (a.y() > pixel.y()) != (b.y() > pixel.y());
+      inside ^= crosses && pixel.x() < a.x() + (pixel.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    }
+    return inside;
+  };
+  constexpr int kGrain = 512;
+  std::vector<char> seen(mesh.vertices.rows(), 0);
+  ThreadPool pool(0);
+  for_indices(pool, static_cast<int>(seen.size()), kGrain, [&](int v) {
+    const Vector3 position = mesh.vertices.row(v).transpose();
+    seen[v] = position.allFinite() && view.in_front(position) && encloses(view.pixel(position)) &&
+              (visibility.sees(view, adjacency, v) || visibility.sees(view, adjacency, v, -1));
+  });
+  std::vector<int> vertices;
+  for (int v = 0; v < static_cast<int>(seen.size()); ++v) {
+    if (seen[v]) {
+      vertices.push_back(v);
+    }
+  }
+  return vertices;
+}
+
 }  // namespace lapedit

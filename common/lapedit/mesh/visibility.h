@@ -69,4 +69,8 @@ std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adj
                                   const Camera& view, const std::vector<SurfaceHit>& hits, const Vector2& from,
                                   const Vector2& to, double radius);
 
+/// Returns the vertices that a viewer sees inside a closed line of pixels, by the even-odd rule. Ascending. O(mesh).
+std::vector<int> enclosed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
+                                   const Camera& view, const std::vector<Vector2>& line);
+
 }  // namespace lapedit

@@ -90,6 +90,7 @@ class DragSession {
   GizmoElement gizmo_element() const { return mouse_.gizmo_element(); }  ///< under the cursor, or held
   /// Returns a preview of what a press would pick, null if nothing.
   const HoverPreview* hover() const { return mouse_.preview(); }
+  const std::vector<Vector2>* lasso() const { return mouse_.lasso(); }  ///< being drawn, pixels; null: none
   /// Returns whether hover() was last called for a cursor that was on neither mesh nor gizmo, and nothing is dragged.
   bool is_beside() { return !motion() && !searching() && hover() == nullptr && gizmo_element() == GizmoElement::None; }
   std::string message() const;  ///< one line: the last refusal, otherwise the effect of the next click

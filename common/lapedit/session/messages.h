@@ -48,6 +48,7 @@ constexpr const char* kStillSettling =
 constexpr const char* kNoSurface = "There is no surface of this layer under the cursor: click on the mesh.";
 constexpr const char* kNoMemoryToSearch =
     "There is not enough memory to find the surface under the cursor: close other layers, then press again.";
+constexpr const char* kSearching = "The surface is still being searched: draw the line again in a moment.";
 constexpr const char* kNoNormal = "The surface has no normal at the handle: lock X, Y or Z instead.";
 constexpr const char* kNoRegionVertices = "No vertices are selected: select some vertices or faces first.";
 constexpr const char* kNoComponent =

@@ -32,6 +32,11 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
   }
   end_stroke();  // in case its release was lost
   modifiers.add |= model_.tools.paint && modifiers.none();
+  if (modifiers.lasso) {
+    pressed_ = Press{Vector3::Zero(), -1, cursor, modifiers};
+    pressed_->lasso = {cursor.pixel};
+    return true;
+  }
   if (modifiers.none() && press_gizmo(cursor)) {
     return true;
   }
@@ -135,6 +140,10 @@ void SessionMouse::move(const Cursor& cursor) {
   if (solver_.waits() || !waiting_.empty()) {
     return;
   }
+  if (lasso() != nullptr) {
+    pressed_->lasso.push_back(cursor.pixel);
+    return;
+  }
   if (pressed_ && !pressed_->modifiers.none() && !pressed_->moves) {
     brush(cursor);
     return;
@@ -215,6 +224,10 @@ void SessionMouse::release(const Cursor& cursor) {
       drag->motion.move(snapped(cursor, drag->motion.kind()));
     }
     release_motion();
+    return;
+  }
+  if (lasso() != nullptr) {
+    close_lasso(cursor);
     return;
   }
   const Press press = *pressed_;
@@ -404,6 +417,26 @@ void SessionMouse::brush(const Cursor& cursor) {
   }
   const std::vector<int> patch = brushed_vertices(model_.mesh(), *model_.adjacency, search->faces(), cursor.view, hits,
                                                   from, cursor.pixel, model_.settings.brush_pixels);
+  paint(patch);
+}
+
+/// Paints what is visible inside the lasso.
+void SessionMouse::close_lasso(const Cursor& cursor) {
+  const HoverSearch* const search = model_.search();
+  if (search == nullptr) {
+    pressed_.reset();
+    model_.refusal = messages::kSearching;
+    return;
+  }
+  pressed_->brushed = true;
+  const std::vector<int> inside =
+      enclosed_vertices(model_.mesh(), *model_.adjacency, search->faces(), cursor.view, pressed_->lasso);
+  paint(inside);
+  end_stroke();
+}
+
+/// Adds vertices to the brush's target, or removes them.
+void SessionMouse::paint(const std::vector<int>& patch) {
   if (patch.empty()) {
     return;
   }

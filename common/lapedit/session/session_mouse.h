@@ -9,8 +9,9 @@
 namespace lapedit {
 
 struct PressModifiers {
-  bool add = false;   ///< Ctrl: a click adds to the handle, a stroke to the brush's target
-  bool take = false;  ///< Shift: a click removes from the handle, a stroke from the brush's target
+  bool add = false;    ///< Ctrl: a click adds to the handle, a stroke to the brush's target
+  bool take = false;   ///< Shift: a click removes from the handle, a stroke from the brush's target
+  bool lasso = false;  ///< Alt, with one of them: a closed line paints what is visible inside
 
   bool none() const { return !add && !take; }
 };
@@ -31,6 +32,10 @@ class SessionMouse {
   const HoverPreview* preview() const { return preview_ ? &*preview_ : nullptr; }
   GizmoElement gizmo_element() const { return element_; }
 
+  /// Returns the pixels of the lasso that is being drawn; none: null.
+  const std::vector<Vector2>* lasso() const {
+    return pressed_ && !pressed_->lasso.empty() ? &pressed_->lasso : nullptr;
+  }
   bool brushing() const { return pressed_ && !pressed_->modifiers.none(); }
   /// Ends a stroke of the brush that another action interrupts.
   void end_stroke();
@@ -68,6 +73,7 @@ class SessionMouse {
     int curve_point = -1;                        // of that group
     std::optional<Vector3> axis = std::nullopt;  // of a gizmo's arrow or ring
     MotionKind kind = MotionKind::Translate;
+    std::vector<Vector2> lasso = {};  // pixels
   };
 
   std::optional<SurfaceHit> hit(const Cursor& cursor);
@@ -78,6 +84,8 @@ class SessionMouse {
   void press_surface(const SurfaceHit& hit, const Cursor& cursor, PressModifiers modifiers);
   void click(const Press& press);
   void brush(const Cursor& cursor);
+  void close_lasso(const Cursor& cursor);
+  void paint(const std::vector<int>& patch);
   HoverQuery query(const SurfaceHit& hit, const Camera& view, bool with_region) const;
   void look(const Cursor& cursor, PressModifiers modifiers);
   void take_outlines();
