@@ -138,10 +138,9 @@ std::string step_applied(std::size_t number, const DragMotion& motion, const std
                      solve_ms);
 }
 
-std::string step_adjusted(std::size_t number, int region_size, double prepare_ms, double solve_ms) {
-  return format_text(
-      "step %zu again with other settings: region of %d vertices, prepared in %.1f ms, solved in %.1f ms", number,
-      region_size, prepare_ms, solve_ms);
+std::string step_adjusted(std::size_t number, bool is_new, int region_size, double prepare_ms, double solve_ms) {
+  return format_text("step %zu%s: region of %d vertices, prepared in %.1f ms, solved in %.1f ms", number,
+                     is_new ? ": another detail" : " again with other settings", region_size, prepare_ms, solve_ms);
 }
 
 std::string edit_applied(std::size_t steps) {

@@ -93,7 +93,7 @@ constexpr const char* kStrokeRedone = "stroke of the brush redone";
 std::string not_possible(const std::string& why);
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
                          double prepare_ms, double solve_ms);
-std::string step_adjusted(std::size_t number, int region_size, double prepare_ms, double solve_ms);
+std::string step_adjusted(std::size_t number, bool is_new, int region_size, double prepare_ms, double solve_ms);
 std::string edit_applied(std::size_t steps);
 std::string loaded_step_advice(std::size_t number, const std::string& advice);  ///< of a saved edit
 std::string step_changed(std::size_t number, const char* how);                  ///< "undone", "redone"

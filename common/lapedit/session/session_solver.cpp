@@ -415,8 +415,8 @@ void SessionSolver::commit_adjusted() {
     model_.timeline.add({messages::saved_step(adjusting.step, {}), true, model_.selection});
   }
   model_.show(applied.vertices, applied.after, true);
-  model_.log(messages::step_adjusted(history.steps().size(), region->size(), figures_.prepare_ms.value_or(0),
-                                     figures_.solve_ms.value_or(0)));
+  model_.log(messages::step_adjusted(history.steps().size(), adjusting.is_new, region->size(),
+                                     figures_.prepare_ms.value_or(0), figures_.solve_ms.value_or(0)));
   model_.show_region(region);
   model_.selection.region = std::move(adjusting.step.region);
   model_.selection.has_region = true;

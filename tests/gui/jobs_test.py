@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Jobs in the real window, each in few actions, by X events."""
+import math
+import unittest
+
+from tool import ToolTest, part
+from ply import write_ply
+from shapes import dome
+
+
+class Jobs(ToolTest):
+    SIDE = 61
+    MIDDLE = 30 * SIDE + 30
+    DEPTH = 0.06
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        flat, faces = dome(cls.SIDE, cls.SIDE)
+        dented = [(x, y, -cls.DEPTH * math.exp(-(math.dist((x, y), (0.5, 0.5)) / 0.09) ** 4)) for x, y, _ in flat]
+        cls.dent = write_ply(cls.folder / "dent.ply", dented, faces)
+
+        def is_open(v):
+            return abs(flat[v][1] - 0.5) < 0.06 * (1 - (abs(flat[v][0] - 0.5) / 0.2) ** 2)
+
+        kept = [f for f in faces if not all(is_open(v) for v in f)]
+        sides = {(f[k], f[k - 2]) for f in kept for k in range(3)}
+        cls.lips = sorted({v for a, b in sides if (b, a) not in sides for v in (a, b) if 0.1 < flat[v][0] < 0.9
+                           and 0.1 < flat[v][1] < 0.9})
+        cls.mouth = write_ply(cls.folder / "mouth.ply", [(x, y, 0.2 * x * (1 - x)) for x, y, _ in flat], kept)
+
+    def stroke(self, w, points, *keys):
+        """Draws from point to point of the screen with the left button, while keys are held."""
+        steps = [c for key in keys for c in ("keydown", key)] + ["mousemove", *points[0], "sleep", 0.2, "mousedown", 1]
+        for point in points[1:]:
+            steps += ["mousemove", *point, "sleep", 0.05]
+        w.x(*steps, "mouseup", 1, *[c for key in keys for c in ("keyup", key)])
+        self.settle(w)
+
+    def lasso(self, w, vertices, *keys, margin=12):
+        """Draws an ellipse around some vertices."""
+        pixels = [self.on_screen(w, v) for v in vertices]
+        (low, high) = ([f(p[k] for p in pixels) for k in (0, 1)] for f in (min, max))
+        middle = [(a + b) / 2 for a, b in zip(low, high)]
+        radii = [0.72 * (b - a) + margin for a, b in zip(low, high)]
+        self.stroke(w, [tuple(round(m + r * f(2 * math.pi * k / 24)) for m, r, f in zip(middle, radii, (math.cos, math.sin)))
+                        for k in range(25)], *keys)
+
+    def test_a_dent_becomes_flat_in_two_actions(self):
+        with self.start(self.dent, disc=20) as w:
+            before = w.dump()
+            w.x("mousemove", *self.on_screen(w, self.MIDDLE), "sleep", 0.3, "click", 1)  # 1
+            self.settle(w)
+            x, y, width, height = w.widget(part("detail"))["rectangle"]
+            row = round(y + height / 2)
+            self.stroke(w, [(round(x + width / 2), row), (round(x + width / 4), row), (round(x - 5), row)])  # 2
+            self.assertLess(max(abs(z) for _, _, z in w.dump().triples()), 0.01 * self.DEPTH)
+            step, = self.steps_of(w)
+            self.assertEqual(step["detail"], 0)
+            self.assertNotIn("handles", step)
+            self.assert_replay_is_the_same(w, self.dent)
+            self.undo(w)
+            self.assert_same(before, w.dump())
+            self.assertEqual(w.widget(part("detail"))["value"], 100)
+
+    def test_a_mouth_is_closed_in_four_actions(self):
+        def gap():
+            heights = [w.dump().triples()[v][1] for v in self.lips]
+            return max(heights) - min(heights)
+
+        with self.start(self.mouth, disc=20) as w:
+            before = gap()
+            w.x_focus()
+            w.x("mousemove", *self.on_screen(w, self.MIDDLE - 20 * self.SIDE))
+            self.x_key(w, "b", "b")  # 1: paint the handle
+            self.lasso(w, self.lips, "ctrl", "alt")  # 2
+            self.x_key(w, "Escape")  # 3
+            self.x_key(w, "s", "y", "1", "percent", "Return")  # 4
+            self.assertLess(gap(), 0.02 * before, self.message(w))
+            self.assert_replay_is_the_same(w, self.mouth)
+
+    def test_lasso_paints_and_removes(self):
+        with self.start(self.dent) as w:
+            x = [self.MIDDLE + k + self.SIDE * j for k in (-10, 10) for j in (-10, 10)]
+            self.lasso(w, x, "ctrl", "alt", margin=0)
+            painted = self.figures(w)
+            self.assertGreater(painted, 400)
+            self.lasso(w, [self.MIDDLE + k + self.SIDE * j for k in (-4, 4) for j in (-4, 4)], "shift", "alt", margin=0)
+            self.assertLess(self.figures(w), painted - 50)
+
+    def figures(self, w):
+        """The number of painted vertices."""
+        return sum(int(n) for n in w.widget(part("region"))["text"].split(", fixed")[0].replace(",", "").split() if n.isdigit())
+
+
+if __name__ == "__main__":
+    unittest.main()
