@@ -11,6 +11,7 @@ using namespace lapedit::host;
 
 namespace {
 
+enum ModeChoice { ToShape, ToPose, ToMirrorImage };
 enum AlignChoice { OfTheMode, BySimilarity, Rigidly, NotAtAll };
 enum LandmarkChoice { PickedPoints, NoLandmarks };
 
@@ -39,11 +40,16 @@ HandleGroup landmarks(const ParameterValues& values, const DocumentLayer& scan, 
 }
 
 Edit fitOf(const ParameterValues& values, const CMeshO& host) {
+  if (values.integer("mode") == ToMirrorImage) {
+    Edit edit = fit_scan("");
+    edit.steps[0].fit->settings.detail = values.real("detail");
+    return edit;
+  }
   const std::string name = values.text("scan").toStdString();
   const DocumentLayer& scan = layer_named(values.layers, name, host);
   Edit edit = fit_scan(scan.label.toStdString(), landmarks(values, scan, host));
   ScanFitSettings& settings = edit.steps[0].fit->settings;
-  settings.mode = values.integer("mode") == 0 ? FitMode::Shape : FitMode::Pose;
+  settings.mode = values.integer("mode") == ToShape ? FitMode::Shape : FitMode::Pose;
   settings.detail = values.real("detail");
   if (values.integer("align") != OfTheMode) {
     settings.align = static_cast<FitAlign>(values.integer("align") - BySimilarity);
@@ -65,11 +71,12 @@ FilterAction laplacianFit() {
       {{Kind::Text, "scan", QString(), "Scan", "The name of the scan's layer; may be empty if there are two layers."},
        {Kind::Choice,
         "mode",
-        0,
+        ToShape,
         "Mode",
         "Whether the scan shows another shape of the same kind, or the same body "
-        "in another pose. Another pose needs landmarks at the ends of limbs.",
-        {"Shape", "Pose"}},
+        "in another pose. Another pose needs landmarks at the ends of limbs. Symmetrise needs no scan: the layer goes "
+        "half of the way to its own mirror image, whose plane is found.",
+        {"Shape", "Pose", "Symmetrise"}},
        {Kind::Real, "detail", ScanFitSettings().detail, "Detail",
         "Length over the template's size down to which it follows the scan, 0.003 to 0.4. Smaller follows noise, "
         "too."},

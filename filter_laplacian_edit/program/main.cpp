@@ -47,6 +47,9 @@ ScanData readScan(const FitStep& fit) {
 
 /// @param named  gets the files that the edit names
 Edit readEdit(const Options& options, const TriangleMesh& mesh, std::vector<std::string>& named) {
+  if (options.symmetrise) {
+    return fit_scan("");
+  }
   if (!options.targets.empty() || !options.scan.empty()) {
     const auto landmarks = [](const std::string& path) {
       return read_landmarks(readFile("landmark file", path, kLargestJson), path);

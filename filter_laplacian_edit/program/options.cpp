@@ -85,8 +85,9 @@ struct Words {
 
 /// Names of the options, and how many values follow each.
 constexpr std::pair<const char*, std::size_t> kOptions[] = {
-    {"--fit", 1},  {"--fraction", 1}, {"--fractions", 1}, {"--landmarks", 2}, {"--nearest", 1}, {"--report", 1},
-    {"--info", 0}, {"--quality", 0},  {"--strict", 0},    {"--quiet", 0},     {"--help", 0},    {"--version", 0},
+    {"--fit", 1},    {"--fraction", 1},   {"--fractions", 1}, {"--landmarks", 2}, {"--nearest", 1},
+    {"--report", 1}, {"--symmetrise", 0}, {"--info", 0},      {"--quality", 0},   {"--strict", 0},
+    {"--quiet", 0},  {"--help", 0},       {"--version", 0},
 };
 
 Words sorted(const std::vector<std::string>& arguments) {
@@ -159,12 +160,16 @@ MeshReader commonReader(const Options& options) {
 void takeFiles(const Words& words, Options& options) {
   const std::vector<std::string>& files = words.files;
   const bool hasLandmarks = words.has("--landmarks");
-  const bool hasFit = words.has("--fit");
+  options.symmetrise = words.has("--symmetrise");
+  const bool hasFit = words.has("--fit") || options.symmetrise;
+  if (options.symmetrise && (words.has("--fit") || hasLandmarks)) {
+    refuse("Give --symmetrise without --fit and --landmarks.");
+  }
   const std::size_t wanted = options.asks() ? 1 : hasLandmarks || hasFit ? 2 : 3;
   if (files.size() != wanted) {
     refuse("There are " + std::to_string(files.size()) + " file names: give " +
            (options.asks() ? "the mesh alone with --nearest or --info."
-            : hasFit       ? "the template and the output, and no edit, with --fit."
+            : hasFit       ? "the template and the output, and no edit, with --fit or --symmetrise."
             : hasLandmarks ? "the mesh and the output, and no edit, with --landmarks."
                            : "the mesh, the output and the edit."));
   }
@@ -174,7 +179,7 @@ void takeFiles(const Words& words, Options& options) {
   options.input = files[0];
   if (!options.asks()) {
     options.output = files[1];
-    options.scan = hasFit ? words.value("--fit") : "";
+    options.scan = words.has("--fit") ? words.value("--fit") : "";
     options.edit = hasLandmarks ? words.value("--landmarks") : hasFit ? "" : files[2];
     options.targets = hasLandmarks ? words.value("--landmarks", 1) : "";
   }

@@ -13,6 +13,7 @@ struct Options {
   std::string input, output, edit;
   std::string targets;                    ///< landmarks: `edit` is the file of the points, this that of their targets
   std::string scan;                       ///< --fit: the mesh is fitted to this file; `edit` may be empty
+  bool symmetrise = false;                ///< likewise, to its mirror image
   MeshReader reader = readPly;            ///< for the format of input and output
   std::vector<lapedit::Vector3> nearest;  ///< not empty: prints the nearest vertices, without an edit
   bool info = false;                      ///< prints a summary of the mesh, without an edit

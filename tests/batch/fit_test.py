@@ -45,6 +45,25 @@ class Fit(ProgramTest):
         step, = json.loads((self.work / "report.json").read_text())["outputs"][0]["steps"]
         return step
 
+    def test_symmetrise(self):
+        points, faces = dome(21, 21)
+        points = [(x, y, 0.2 * math.sin(math.pi * x) + 0.2 * y * y + 0.05 * math.exp(-30 * ((x - 0.3) ** 2 + (y - 0.5) ** 2)))
+                  for x, y, _ in points]
+        crooked = self.folder / "crooked.ply"
+        crooked.write_bytes(files.ply_plain((points, faces)))
+        plane = {"point": [0.5, 0, 0], "normal": [1, 0, 0]}
+        self.write_edit({"region": {"component": True}, "fit": {}, "mirror": plane})
+        self.done("-q", crooked, self.out, self.edit)
+        by_plane = self.result()
+
+        def heights(of):
+            return [abs(of[21 * i + j][2] - of[21 * (20 - i) + j][2]) for i in range(2, 19) for j in range(2, 19)]
+
+        self.assertLess(max(heights(by_plane)), 0.5 * max(heights(points)))
+        self.done("-q", "--symmetrise", crooked, self.out)
+        self.assertLess(max(heights(self.result())), 0.5 * max(heights(points)))
+        self.refused(WRONG_USAGE, "without --fit", "--symmetrise", "--fit", self.scan, crooked, self.out)
+
     def test_a_scan_and_landmarks(self):
         landmarks = ["--landmarks", self.folder / "from.pp", self.folder / "to.pp"]
         step = self.fitted(*landmarks)

@@ -52,7 +52,7 @@ struct HandleGroup {
 
 /// A scan that a region is fitted to, in place of a motion of handles.
 struct FitStep {
-  std::string to;      ///< file, or in MeshLab a layer
+  std::string to;      ///< file, or in MeshLab a layer; empty: half of the way to the mesh's own mirror image
   std::string folder;  ///< of a relative file name
   ScanFitSettings settings;
   std::vector<int> exclude;               ///< mesh vertices that are not drawn to the scan
@@ -64,9 +64,10 @@ struct EditStep {
   RegionSpec region;
   std::vector<HandleGroup> handles;
   EditSettings settings;
-  std::optional<MirrorPlane> mirror = {};  ///< handles and region are mirrored across it, see mirrored()
-  VertexQuery region_query = {};           ///< in place of region.vertices, until they are located
-  std::optional<FitStep> fit = {};         ///< handles are landmarks with targets, or none
+  /// Handles and region are mirrored across it, see mirrored(). Of a fit to the own mirror image; none: found.
+  std::optional<MirrorPlane> mirror = {};
+  VertexQuery region_query = {};    ///< in place of region.vertices, until they are located
+  std::optional<FitStep> fit = {};  ///< handles are landmarks with targets, or none
 };
 
 /// A sequence of steps, with a description of its mesh.

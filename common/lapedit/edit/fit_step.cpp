@@ -91,11 +91,31 @@ void measure(const Region& region, const Points& before, const Points& after, co
   }
 }
 
+/// Returns the step with the mirror image of the mesh as its scan.
+EditStep with_mirror_image(const TriangleMesh& mesh, EditStep step) {
+  const std::optional<MirrorPlane> plane = step.mirror ? step.mirror : find_symmetry(mesh);
+  if (!plane || !step.handles.empty()) {
+    throw EditError(ErrorCause::BadParameter,
+                    plane
+                        ? "Landmarks have no meaning where a mesh becomes symmetric: remove the key handles."
+                        : "No plane was found across which the mesh nearly mirrors itself: give one by the key mirror.")
+        .at(plane ? "handles" : "mirror");
+  }
+  const Affine map = reflection(*plane);
+  ScanData image{mesh, {}, "the mirror image"};
+  image.mesh.vertices = ((mesh.vertices * map.linear().transpose()).rowwise() + map.translation().transpose()).eval();
+  image.mesh.faces.col(1).swap(image.mesh.faces.col(2));
+  step.fit->scan = std::make_shared<const Scan>(image);
+  step.fit->settings.align = step.fit->settings.align.value_or(FitAlign::None);
+  step.mirror.reset();
+  return step;
+}
+
 }  // namespace
 
 Edit with_scans(Edit edit, const ScanReader& reader) {
   for (std::size_t k = 0; k < edit.steps.size(); ++k) {
-    if (std::optional<FitStep>& fit = edit.steps[k].fit; fit && !fit->scan) {
+    if (std::optional<FitStep>& fit = edit.steps[k].fit; fit && !fit->scan && !fit->to.empty()) {
       const ScanData data = reader(*fit);
       keyed("steps", k, [&] { keyed("fit.to", [&] { fit->scan = std::make_shared<const Scan>(data); }); });
     }
@@ -103,8 +123,10 @@ Edit with_scans(Edit edit, const ScanReader& reader) {
   return edit;
 }
 
-FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step,
+FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& given,
                     const SolverOptions& options) {
+  const bool to_image = given.fit->to.empty() && !given.fit->scan;
+  const EditStep step = to_image ? with_mirror_image(mesh, given) : given;
   if (!step.fit->scan) {
     throw EditError(ErrorCause::BadParameter, "The scan \"" + step.fit->to +
                                                   "\" of the fit was not read here: use the "
@@ -148,6 +170,9 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
       fit_template({mesh, region, *step.fit->scan, step.fit->settings, landmarks, excluded, options.threads});
   FittedStep fitted;
   fitted.vertices = region.mesh_vertex;
+  if (to_image) {
+    result.positions = (result.positions + gather(mesh.vertices, region.mesh_vertex)) / 2;
+  }
   fitted.positions = std::move(result.positions);
   EditReport& report = fitted.report;
   report.region_ms = region_ms;

@@ -24,11 +24,12 @@ struct FittedStep {
   EditReport report;
 };
 
-/// Fits the region of a step to its scan. The result has the same bits for any number of threads.
+/// Fits the region of a step to its scan, or goes half of the way to the mirror image. The result has the same bits for
+/// any number of threads.
 /// @param step  with sorted groups: landmarks with targets, or none. Without landmarks its region is all components of
 ///        the mesh, or the vertices given
-/// @throws EditError (BadParameter) for a step without its scan, with groups that have no targets, or with a mirror
-///         plane; and as build_region() and fit_template()
+/// @throws EditError (BadParameter) for a step without its scan, with groups that have no targets, with a scan and a
+///         mirror plane, or without either for a mesh that is not symmetric; and as build_region() and fit_template()
 FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step,
                     const SolverOptions& options);
 

@@ -456,7 +456,7 @@ void visit(Keys& keys, FitStep& fit) {
                                         alignments = {name(FitAlign::Similarity), name(FitAlign::Rigid),
                                                       name(FitAlign::None)};
   ScanFitSettings& settings = fit.settings;
-  keys.need("to", fit.to);
+  keys.may("to", fit.to, !fit.to.empty());
   Choice<FitMode> mode = {settings.mode, modes};
   keys.may("mode", mode);
   FitAlign align = settings.align.value_or(FitAlign::Similarity);
@@ -475,6 +475,8 @@ void visit(Keys& keys, FitStep& fit) {
   keys.may("exclude", exclude, !fit.exclude.empty());
   if (keys.from != nullptr) {
     fit.folder = keys.from->source->folder;
+  }
+  if (keys.has("to")) {
     named_file((*keys.from)["to"]);
   }
 }
