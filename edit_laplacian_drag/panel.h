@@ -24,6 +24,7 @@ class QLineEdit;
 class QListWidget;
 class QProgressBar;
 class QPushButton;
+class QSlider;
 class QSpinBox;
 class QVBoxLayout;
 
@@ -100,6 +101,8 @@ class Panel : public QDockWidget {
                          const Access& access);
   QDoubleSpinBox* percent(const char* part, int high, const QString& help, const Access& access);
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
+  /// @param set  called with the value while the slider is moved (passing), and at its release
+  QSlider* slider(const char* part, int high, const QString& help, const std::function<void(int, bool passing)>& set);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
   QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QCheckBox* check(const char* part, const QString& text, const QString& help, const Access& access);

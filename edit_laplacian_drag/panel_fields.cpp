@@ -9,6 +9,7 @@
 #include <QLocale>
 #include <QPushButton>
 #include <QSignalBlocker>
+#include <QSlider>
 #include <QSpinBox>
 #include "panel.h"
 #include "panel_icons.h"
@@ -115,6 +116,16 @@ QDoubleSpinBox* Panel::percent(const char* part, int high, const QString& help, 
 QDoubleSpinBox* Panel::length(const char* part, const QString& help, const Access& access) {
   lengths_.push_back(number(part, 0, kLongest, 4, help, access));
   return lengths_.back();
+}
+
+QSlider* Panel::slider(const char* part, int high, const QString& help, const std::function<void(int, bool)>& set) {
+  auto* const made = prepared<QSlider>(part, help);
+  made->setOrientation(Qt::Horizontal);
+  made->setRange(0, high);
+  const auto go = [made, set] { set(made->value(), made->isSliderDown()); };
+  connect(made, &QSlider::valueChanged, this, go);
+  connect(made, &QSlider::sliderReleased, this, go);
+  return made;
 }
 
 QSpinBox* Panel::count(const char* part, int low, int high, const QString& help, const Access& access) {

@@ -110,28 +110,21 @@ void Panel::addBasic() {
 }
 
 void Panel::addDetail() {
-  auto* const detail = prepared<QSlider>(
-      "detail", tr("How much of the detail remains in the region: 0 removes dents and bumps, 100 % keeps them, 200 % "
-                   "doubles them. Needs no drag: press on the dent, or paint it, then move this"));
-  detail->setOrientation(Qt::Horizontal);
-  detail->setRange(0, 200);
-  const auto go = [this, detail] {
-    DragSettings settings = settings_;
-    settings.edit.detail = detail->value() / 100.0;
-    const bool passing = detail->isSliderDown();
-    change([settings, passing](DragSession& session) { session.set_settings(settings, passing); });
-  };
-  connect(detail, &QSlider::valueChanged, this, go);
-  connect(detail, &QSlider::sliderReleased, this, go);
-  auto* const title = new QLabel;
-  title->setToolTip(detail->toolTip());
-  titles_.push_back(title);
-  form_->addRow(title, detail);
-  shown_.push_back([detail, title](const DragSession& session) {
-    const int value = static_cast<int>(std::round(100 * session.settings().edit.detail));
+  auto* const detail =
+      slider("detail", 200,
+             tr("How much of the detail remains in the region: 0 removes dents and bumps, 100 % keeps them, 200 % "
+                "doubles them. "
+                "Needs no drag: press on the dent, or paint it, then move this"),
+             [this](int percent, bool passing) {
+               DragSettings settings = settings_;
+               settings.edit.detail = percent / 100.0;
+               change([settings, passing](DragSession& session) { session.set_settings(settings, passing); });
+             });
+  row({}, detail);
+  shown_.push_back([detail, title = titles_.back()](const DragSession& session) {
     const QSignalBlocker blocker(detail);
-    detail->setValue(value);
-    title->setText(tr("Detail %1 %").arg(value));
+    detail->setValue(static_cast<int>(std::round(100 * session.settings().edit.detail)));
+    title->setText(tr("Detail %1 %").arg(detail->value()));
   });
 }
 

@@ -87,17 +87,13 @@ void Panel::addLastStep() {
       value->setText(numbersOf(motion));
     }
   });
-  auto* const fraction = prepared<QSlider>("last_fraction", tr("Fraction of the path: 0 to 100 percent"));
-  fraction->setOrientation(Qt::Horizontal);
-  fraction->setRange(0, 100);
-  const auto go = [this, fraction, send] {
-    if (LastStep last = lastStep_.value_or(LastStep()); lastStep_) {
-      last.fraction = fraction->value() / 100.0;
-      send(last, fraction->isSliderDown());
-    }
-  };
-  connect(fraction, &QSlider::valueChanged, this, go);
-  connect(fraction, &QSlider::sliderReleased, this, go);
+  auto* const fraction = slider("last_fraction", 100, tr("Fraction of the path: 0 to 100 percent"),
+                                [this, send](int percent, bool passing) {
+                                  if (LastStep last = lastStep_.value_or(LastStep()); lastStep_) {
+                                    last.fraction = percent / 100.0;
+                                    send(last, passing);
+                                  }
+                                });
   shown_.push_back([this, fraction](const DragSession&) {
     fraction->setEnabled(lastStep_.has_value());
     if (!fraction->isSliderDown()) {
