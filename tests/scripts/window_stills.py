@@ -5,16 +5,18 @@
 usage: window_stills.py FOLDER   where the generated meshes are; the pictures are written there
 """
 import contextlib
+import math
 import pathlib
 import subprocess
 import sys
 import time
 
 from pictures import TOOL, Pictures, convert, cut, nearest, part, rotated
+from ply import Ply, write_ply
 
 NOSE, FOOT = (0, -0.13, 1.21), (0.8, -1.29, 0.41)
-HAND, OTHER_HAND = (1.0, -0.2, 0.15), (-1.0, -0.2, 0.15)  # of the person
-MOUTH = [(-0.16, 1.2, 0.5), (0, 1.17, 0.5), (0.16, 1.2, 0.5)]
+HAND = (1.0, -0.2, 0.15)  # of the person
+DENT, MOUTH = (0.25, 0.85, 0.75), (0, -0.45, 1)  # of the head, about
 TIPS = [(-0.5, 1.2, 0.1), (-0.17, 1.44, 0.1), (0.15, 1.5, 0.1), (0.46, 1.33, 0.1)]
 
 
@@ -33,8 +35,26 @@ def opened(pictures, mesh, matrix=None, **settings):
         yield window, lambda position: window.pixel(nearest(points, position))
 
 
+def worn_heads(folder):
+    """Writes a head with a dent and one with an open mouth. @return positions of the first, vertices of the lips"""
+    head = Ply(folder / "head.ply")
+    points, faces = head.points(), head.faces()
+    middle = points[nearest(points, DENT)]
+    inwards = [0.12 * math.exp(-(math.dist(p, middle) / 0.14) ** 4) for p in points]
+    dented = [[c - by * m / math.hypot(*middle) for c, m in zip(p, middle)] for p, by in zip(points, inwards)]
+    write_ply(folder / "dented.ply", dented, faces)
+
+    def is_open(p):
+        return p[2] > 0.5 and abs(p[1] - MOUTH[1]) < 0.11 * (1 - (p[0] / 0.3) ** 2)
+
+    kept = [f for f in faces if not all(is_open(points[v]) for v in f)]
+    write_ply(folder / "open.ply", points, kept)
+    sides = {(f[k], f[k - 2]) for f in kept for k in range(3)}
+    return dented, sorted({a for a, b in sides if (b, a) not in sides})
+
+
 def trials(pictures, folder):
-    """Three tasks of a new user, each before and after: a raised arm, a smile, one hand fixed and the other pulled."""
+    """Three tasks of a new user, each before and after: a raised arm, a flattened dent, a closed mouth."""
     mesh, rows = folder / "person.ply", ([], [])
 
     def keep(window, centre, row, size=300):
@@ -53,23 +73,29 @@ def trials(pictures, folder):
         window.move(*hand)
         window.key("R", "7", "0", "Return")
         keep(window, middle, 1)
-    with opened(pictures, mesh, radius=0.4, mode=1) as (window, at):
-        window.layer(matrix=[3 * c for c in (1, 0, 0, 0, 0, 1, 0, -1.25, 0, 0, 1, 0)] + [0, 0, 0, 1])
-        window.set(part("mirror"), 1)
-        for position in MOUTH:
-            window.click(*at(position))
-        keep(window, at(MOUTH[1]), 0)
-        x, y = at(MOUTH[2])
-        window.drag((x, y), (x + 10, y - 25))
-        keep(window, at(MOUTH[1]), 1)
-    with opened(pictures, mesh, radius=3, handle_fraction=45) as (window, at):
-        (x, y), (left, top), middle = at(HAND), at(OTHER_HAND), at((0, 0.6, 0))
-        window.set(part("brush_target"), "Fixed")
-        window.drag((left - 10, top - 10), (left + 10, top + 10))
-        window.set(part("brush_target"), "Off")
+    dented, lips = worn_heads(folder)
+    with opened(pictures, folder / "dented.ply") as (window, at):
+        x, y = at(DENT)
+        keep(window, (x, y + 60), 0, 330)
         window.click(x, y)
+        window.set(part("detail"), 0)
+        window.key("H")
+        keep(window, (x, y + 60), 1, 330)
+    with opened(pictures, folder / "open.ply") as (window, at):
+        pixels = [window.pixel(v) for v in lips]
+        middle = [sum(p[k] for p in pixels) / len(pixels) for k in (0, 1)]
         keep(window, middle, 0, 430)
-        window.drag((x, y), (x + 30, y - 80))
+        window.set(part("brush_target"), "Handle")
+        radii = [16 + max(abs(p[k] - middle[k]) for p in pixels) for k in (0, 1)]
+        ring = [[m + r * f(k * math.pi / 12) for m, r, f in zip(middle, radii, (math.cos, math.sin))] for k in range(25)]
+        window.mouse("press", *ring[0], modifiers=["ctrl", "alt"])
+        for pixel in ring[1:]:
+            window.mouse("move", *pixel, modifiers=["ctrl", "alt"])
+        window.mouse("release", *ring[0], modifiers=["ctrl", "alt"])
+        window.set(part("brush_target"), "Off")
+        window.move(*middle)
+        window.key("S", "Y", "1", "%", "Return")
+        window.key("H")
         keep(window, middle, 1, 430)
     subprocess.run(["montage", *rows[0], *rows[1], "-tile", "3x", "-geometry", "+2+2", folder / "trials.png"], check=True)
     convert(folder / "trials.png", "+dither", "-colors", 128, f"PNG8:{folder / 'trials.png'}")
