@@ -614,6 +614,7 @@ Region build_region(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   region.pieces = attached.pieces;
   if (handles.empty()) {
     measure_from_the_middle(region);
+    region.without_handle = true;
   }
   for (auto& handle : local_handles) {
     handle.first = local[handle.first];

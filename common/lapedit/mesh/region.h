@@ -94,9 +94,10 @@ struct Region {
   double max_distance = 0;      ///< d_max, over the whole region
   double radius = 0;            ///< the given radius, or d_max where none was given
   RegionSpec::Kind kind = RegionSpec::Kind::Radius;
-  int left_out = 0;       ///< number of vertices of a given set that no handle reaches: they keep their bits
-  int mesh_vertices = 0;  ///< of the whole mesh
-  int pieces = 0;         ///< number of pieces that come along: RegionSpec::pieces
+  bool without_handle = false;  ///< as RegionSpec::without_handle allowed
+  int left_out = 0;             ///< number of vertices of a given set that no handle reaches: they keep their bits
+  int mesh_vertices = 0;        ///< of the whole mesh
+  int pieces = 0;               ///< number of pieces that come along: RegionSpec::pieces
   /// Edges that connect_gap and pieces add to the graph, the lower vertex first, ascending; they have no faces.
   std::vector<std::pair<int, int>> links;
 
