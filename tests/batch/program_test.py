@@ -20,7 +20,7 @@ class Usage(ProgramTest):
     def test_help_page_and_completion_have_the_same_options(self):
         text = self.done("--help")
         options = set(re.findall(r"(?m)^ +(?:-\w, )?(--[a-z-]+)", text))
-        self.assertEqual(options, {"--" + name for name in ("fit", "fraction", "fractions", "landmarks", "nearest", "info", "report",
+        self.assertEqual(options, {"--" + name for name in ("fit", "symmetrise", "fraction", "fractions", "landmarks", "nearest", "info", "report",
                                                             "quality", "strict", "quiet", "help", "version")})
         self.assertLess(max(map(len, text.splitlines())), 82)
         codes = re.findall(r"(?m)^  (\d)  (.+)$", text)
