@@ -18,7 +18,7 @@ KEYS = [*"XYZNTRSGCWPBV0123456789.-[]?", "Return", "Backspace", "Esc"]
 SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
             "handle_fraction": lambda r: r.choice([0, 20, 50]), "falloff": lambda r: r.randrange(4),
             "connect_gap": lambda r: r.choice([0, 0.05]), "laplacian": lambda r: r.randrange(3),
-            "method": lambda r: r.randrange(3),
+            "method": lambda r: r.randrange(3), "detail": lambda r: r.choice([0, 50, 100, 200]),
             "membrane": lambda r: r.choice([0, 1200]), "last_fraction": lambda r: r.randrange(101),
             "last_value": lambda r: r.choice(["-0.1, 0, 0.2", "25", "1.5", "0.8", "x"]), "timeline": lambda r: r.randrange(20)}
 LEFT_ALONE = {"save", "load", "group_basic"}  # dialogs wait for an answer, and the check needs what is in this group
@@ -243,7 +243,7 @@ class Events:
             self.way(position, self.random.choice([[], [], ["ctrl"], ["shift"]]))
 
     def brush(self):
-        self.way(self.position(), self.random.choice([["ctrl"], ["shift"]]), moves=8)
+        self.way(self.position(), self.random.choice([["ctrl"], ["shift"], ["ctrl", "alt"], ["shift", "alt"]]), moves=8)
 
     def wheel(self):
         position = self.position() if self.random.random() < 0.7 else {"x": 300, "y": 300}
