@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <random>
 
 #include "lapedit/base/error.h"
 #include "lapedit/mesh/region.h"
@@ -315,81 +314,6 @@ TEST(Selection, StepGivesBackItsHandlesAndRegion) {
   EXPECT_EQ(after.region.kind, Kind::Radius);
   EXPECT_EQ(after.mode, HandleMode::Curve);
   EXPECT_FALSE(after.by_hand);
-}
-
-TEST(Selection, AnyChoicesLeaveGroupsApartAndInTheRegion) {
-  Chooser c;
-  std::mt19937 random(71);
-  const auto any = [&random](int count) { return static_cast<int>(random() % static_cast<unsigned>(count)); };
-  int taken = 0;
-  for (int event = 0; event < 600; ++event) {
-    const int vertex = at(10 + any(20), 10 + any(20));
-    c.settings.handle_fraction = any(3) / c.settings.radius;
-    switch (any(10)) {
-      case 0:
-      case 1: {
-        // A session takes hold of a group that is clicked on.
-        const auto holds = [vertex](const std::vector<int>& group) { return has(group, vertex); };
-        if (std::none_of(c.selection.groups.begin(), c.selection.groups.end(), holds)) {
-          taken += c.pick(vertex);
-        }
-        break;
-      }
-      case 2:
-        taken += c.take(add_to_handle(c.surface(), c.selection, vertex));
-        break;
-      case 3:
-        taken += c.take(take_from_handle(c.surface(), c.selection, vertex));
-        break;
-      case 4:
-        if (any(2) && !c.selection.groups.empty()) {
-          const int group = any(static_cast<int>(c.selection.groups.size()));
-          c.selection = any(3) ? with_group_chosen(c.selection, group) : with_grabbed(c.selection, group);
-        }
-        taken += c.take(with_next_group(c.selection));
-        break;
-      case 5:
-        taken +=
-            c.take(any(2) ? grown_by_a_ring(c.surface(), c.selection) : shrunk_by_a_ring(c.surface(), c.selection));
-        break;
-      case 6:
-        taken += c.take(
-            brushed(c.surface(), c.selection, BrushTarget::Region, block(5 + any(20), 25 + any(10)), any(2) == 0));
-        break;
-      case 7:
-        c.selection = any(3) ? with_mode(c.selection, any(2) ? HandleMode::Curve : HandleMode::Vertex)
-                             : with_next_region(c.selection);
-        break;
-      case 8:
-        taken += any(4) == 0 && c.take(with_region(c.surface(), c.selection, block(8, 12 + any(20))));
-        break;
-      default:
-        taken += any(9) == 0 && c.take(cleared(c.selection));
-    }
-    const Selection& s = c.selection;
-    ASSERT_EQ(s.active < 0, s.groups.empty()) << event;
-    ASSERT_LT(s.active, static_cast<int>(s.groups.size())) << event;
-    ASSERT_EQ(s.discs.curves.size(), s.groups.size()) << event;
-    ASSERT_TRUE(s.along.empty() || s.along.back() < static_cast<int>(s.groups.size())) << event;
-    ASSERT_FALSE(has(s.along, s.active)) << event;
-    for (std::size_t g = 0; g < s.groups.size(); ++g) {
-      for (const int v : s.discs.curves[g].path) {
-        ASSERT_TRUE(has(s.groups[g], v)) << event;
-      }
-    }
-    std::vector<int> all;
-    for (const std::vector<int>& group : s.groups) {
-      ASSERT_FALSE(group.empty()) << event;
-      ASSERT_TRUE(std::is_sorted(group.begin(), group.end())) << event;
-      all.insert(all.end(), group.begin(), group.end());
-    }
-    std::sort(all.begin(), all.end());
-    ASSERT_EQ(std::adjacent_find(all.begin(), all.end()), all.end()) << event;
-    if (s.region.kind == Kind::Vertices) {
-      ASSERT_TRUE(std::includes(s.region.vertices.begin(), s.region.vertices.end(), all.begin(), all.end())) << event;
-    }
-  }
-  EXPECT_GT(taken, 200);
 }
 
 }  // namespace
