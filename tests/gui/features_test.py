@@ -55,26 +55,6 @@ class Start(ToolTest):
             w.set(part("group_advanced"), False)
             self.assertFalse(w.widget(part("membrane"))["visible"])
 
-    def test_layers_are_a_tab_beside_the_panel(self):
-        def is_seen(name):
-            return w.widget(name)["rectangle"][0] >= 0  # Qt moves what a tab hides out of the window
-
-        with self.open(self.mesh) as w:
-            w.resize(1280, 900)
-            free = w.ask("project")["width"]
-            w.trigger(TOOL)
-            self.assertEqual(w.ask("project")["width"], free)
-            w.x_focus()
-            title = w.widget("layerDialog")["windowTitle"]
-            for shown, hidden, tab in (("layerDialog", PANEL, title), (PANEL, "layerDialog", TOOL)):
-                self.assertFalse(is_seen(shown))
-                w.x("mousemove", *w.ask("tab", text=tab)["at"], "sleep", 0.05, "click", 1)
-                w.wait(lambda: is_seen(shown), "the tab shows nothing", 20)
-                self.assertFalse(is_seen(hidden))
-                self.assertEqual(w.tool(), (TOOL, False))
-            w.trigger(TOOL)
-            self.assertTrue(is_seen("layerDialog"))
-
 
 class Features(ToolTest):
     """A sheet with a tower in the middle and a small ball that nearly touches it, by X events."""

@@ -57,41 +57,6 @@ Named read(const std::string& text, const std::string& name) {
 
 const Named kBoth = {{"nose & tip", {0.25, -1, 0.001}}, {"chin", {1, 2, 3}}};
 
-TEST(Landmarks, AllFormatsAreRead) {
-  EXPECT_EQ(read(kPicked, "a.pp"), kBoth);
-  EXPECT_EQ(read(kFiducials, "a.fcsv"), kBoth);
-  EXPECT_EQ(read_landmarks(kFiducials, "a.fcsv").system, "LPS");
-  EXPECT_EQ(read_landmarks("#\n#=\n# columnss\n# coordinatesystem=ras\n1,1,2,3,0,0,0,1,1,1,0,a\n", "a.fcsv").system,
-            "RAS");
-  EXPECT_EQ(read(kMarkups, "A.MRK.JSON"), kBoth);
-  EXPECT_EQ(read_landmarks(kMarkups, "a.mrk.json").system, "LPS");
-  EXPECT_EQ(read("nose & tip,0.25,-1,1e-3\nchin,1,2,3\n", "a.csv"), kBoth);
-  EXPECT_EQ(read("\xEF\xBB\xBFX;Name;Y;Z\r\n0.25;\"nose & tip\";-1;1e-3\r\n\r\n# comment\r\n+1;chin;2;3", "a.csv"),
-            kBoth);
-  EXPECT_EQ(read("0.25,-1,1e-3\n1,2,3\n", "a.csv"), (Named{{"1", {0.25, -1, 0.001}}, {"2", {1, 2, 3}}}));
-}
-
-/// 3D Slicer's table of points.
-TEST(Landmarks, HeadersOfTablesNameTheCoordinateSystem) {
-  const std::string rows = "nose & tip,0.25,-1,1e-3,1,1\nnot placed,,,,0,1\nnor this,0,0,0,false,1\nchin,1,2,3,1,1\n";
-  std::string tabs = "label,l,p,s,defined,selected\n" + rows;
-  std::replace(tabs.begin(), tabs.end(), ',', '\t');
-  const std::pair<std::string, const char*> tables[] = {{"label,r,a,s,defined,selected\n" + rows, "RAS"},
-                                                        {"Label,L,P,S,Defined,Selected\r\n" + rows, "LPS"},
-                                                        {"label,l,a,s,defined,selected\n" + rows, "LAS"},
-                                                        {"label,x,y,z,defined,selected\n" + rows, ""},
-                                                        {"label,x,a,s,defined,selected\n" + rows, ""}};
-  for (const auto& [text, system] : tables) {
-    EXPECT_EQ(read(text, "a.csv"), kBoth);
-    EXPECT_EQ(read_landmarks(text, "a.csv").system, system) << text;
-  }
-  EXPECT_EQ(read(tabs, "a.TSV"), kBoth);
-  EXPECT_EQ(read_landmarks(tabs, "a.tsv").system, "LPS");
-  EXPECT_EQ(read("nose; tip\t1\t2\t3\n", "a.tsv"), (Named{{"nose; tip", {1, 2, 3}}}));
-  EXPECT_EQ(read("a,1,2,3\ns,4,5,6\n", "a.csv"), (Named{{"a", {1, 2, 3}}, {"s", {4, 5, 6}}})) << "no header";
-  EXPECT_EQ(read("\"say \"\"a\"\", b\",1,2,3\n", "a.csv"), (Named{{"say \"a\", b", {1, 2, 3}}}));
-}
-
 std::string refusal(const std::string& text, const std::string& name) {
   return refusal_of([&] { read_landmarks(text, name); });
 }

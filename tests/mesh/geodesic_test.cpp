@@ -47,16 +47,6 @@ TEST_P(GeodesicOn, EqualsRelaxingAllEdges) {
   }
 }
 
-TEST_P(GeodesicOn, DoesNotDependOnNumbering) {
-  const TriangleMesh mesh = GetParam()();
-  const std::vector<int> numbers = support::shuffled(static_cast<int>(mesh.vertices.rows()), 1);
-  const std::vector<double> found = distances(mesh, {2, 9});
-  const std::vector<double> renumbered = distances(support::renumbered(mesh, numbers, 2), {numbers[2], numbers[9]});
-  for (std::size_t v = 0; v < found.size(); ++v) {
-    EXPECT_EQ(found[v], renumbered[numbers[v]]) << "vertex " << v;
-  }
-}
-
 TEST_P(GeodesicOn, CutoffReachesExactlyWhatIsNotFarther) {
   const TriangleMesh mesh = GetParam()();
   const Adjacency adjacency = support::adjacency_of(mesh);

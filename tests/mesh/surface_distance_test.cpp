@@ -162,19 +162,6 @@ TEST_P(SurfaceDistanceOn, EqualsTryingAllLines) {
   }
 }
 
-TEST_P(SurfaceDistanceOn, DoesNotDependOnNumbering) {
-  const TriangleMesh mesh = GetParam()();
-  const std::vector<int> numbers = support::shuffled(static_cast<int>(mesh.vertices.rows()), 1);
-  const TriangleMesh other = support::renumbered(mesh, numbers, 2);
-  const Adjacency adjacency = support::adjacency_of(mesh), other_adjacency = support::adjacency_of(other);
-  GeodesicSearch search({mesh, adjacency}), again({other, other_adjacency});
-  search.run({2, 9}, kUnreached);
-  again.run({numbers[2], numbers[9]}, kUnreached);
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    EXPECT_EQ(search.distance(v), again.distance(numbers[v])) << "vertex " << v;
-  }
-}
-
 TEST_P(SurfaceDistanceOn, FieldHasTheBitsOfTheSearch) {
   const TriangleMesh mesh = shapes::together(GetParam()(), shapes::letter_field(90, 70), Vector3(0, 0, 9));
   const int n = static_cast<int>(mesh.vertices.rows());

@@ -247,18 +247,11 @@ TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
 // --- Keys -----------------------------------------------------------------------------------------------------------
 
 TEST(DragKeys, AmountsWithoutAMotionDoNothingButSaySo) {
-  Window window(shapes::grid(60, 60));
-  window.click(kMiddle);
-  for (const char* keys : {"x", "6", "0", "-", ".", "n", "y", "z"}) {
-    window.keys(keys);
-    EXPECT_EQ(window.session.motion(), nullptr) << keys;
-    EXPECT_TRUE(window.says("Nothing is being moved")) << keys;
-  }
-  window.keys("x60\r");
-  EXPECT_EQ(window.session.figures().steps, 0);
-  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
-  window.keys("tx6\r");
-  EXPECT_EQ(window.session.figures().steps, 1);
+  play(
+      "click 30,30; keys x; says 'Nothing is being moved'; state picked; keys 6; says 'Nothing is being moved'; keys "
+      "n; says 'Nothing is being moved'; keys .; says 'Nothing is being moved'; keys x60; enter; steps 0; same pose "
+      "rest; keys tx6; enter; steps 1",
+      shapes::grid(60, 60));
 }
 
 // --- Gizmo and pivot ------------------------------------------------------------------------------------------------
@@ -398,50 +391,11 @@ TEST(DragKeys, ControlGoesInSteps) {
 // --- Symmetry, soft handles, near pieces -----------------------------------------------------------------------------
 
 TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
-  Window window(shapes::icosphere(4));
-  as_found(window);
-  window.change([](DragSettings& s) { s.radius = 0.7; });
-  const Points before = window.host();
-  int ear = 0;
-  (before.col(0) - before.col(2).cwiseAbs()).maxCoeff(&ear);  // at the right, in front of the viewer's middle height
-  window.session.set(&Tools::mirror, MirrorPlane{Vector3::Zero(), Vector3::UnitX()});
-  ASSERT_TRUE(window.session.tools().mirror);
-  const Vector3 position = before.row(ear).transpose();
-  int seen = 0;
-  (before.rowwise() - (position + Vector3(-0.15, 0, 0.3)).transpose()).rowwise().norm().minCoeff(&seen);
-  window.click(seen);
-  ASSERT_EQ(window.session.selection().groups.size(), 1U);
-  ASSERT_EQ(window.session.mirrored_groups().size(), 2U);
-  window.drag(seen, Vector2(40, 30));
-  ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
-  const EditStep step = window.session.recorded().steps[0];
-  EXPECT_TRUE(step.mirror);
-  EXPECT_EQ(step.handles.size(), 1U);
-  window.expect_consistent();
-  // The sphere is symmetric, and stays it.
-  double off = 0, moved = 0;
-  for (int v = 0; v < before.rows(); ++v) {
-    int twin = 0;
-    const Eigen::RowVector3d image(-before(v, 0), before(v, 1), before(v, 2));
-    (before.rowwise() - image).rowwise().norm().minCoeff(&twin);
-    const Eigen::RowVector3d way = window.host().row(v) - before.row(v),
-                             way_of_twin = window.host().row(twin) - before.row(twin);
-    off = std::max(off, (Eigen::RowVector3d(-way.x(), way.y(), way.z()) - way_of_twin).norm());
-    moved = std::max(moved, way.norm());
-  }
-  EXPECT_GT(moved, 0.1);
-  EXPECT_LT(off, 1e-5 * moved + 1e-6);
-  // Solved again with other settings, undone and done again.
-  window.change([](DragSettings& s) { s.edit.membrane = 100; });
-  window.expect_consistent();
-  window.undo();
-  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
-  window.redo();
-  EXPECT_TRUE(window.session.tools().mirror);
-  window.expect_consistent();
-  window.session.set(&Tools::mirror, std::nullopt);
-  window.session.wait();
-  EXPECT_EQ(window.session.mirrored_groups().size(), 1U);
+  play(
+      "set radius 6 disc 0.3; mirror 29.5; click 15,30; count 1; drag 15,30 10 30; steps 1; images 15,30 44,30; images "
+      "16,31 43,31; consistent; set membrane 100; consistent; undo; same pose rest; redo; images 15,30 44,30; "
+      "consistent; unmirror; drag 15,30 0 10; steps 2",
+      shapes::grid(60, 60));
 }
 
 TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {

@@ -115,15 +115,8 @@ TEST(DragSession, HandleOnTheFarSideIsNotInTheWay) {
 }
 
 TEST(DragSession, ClickShowsTheRegionAndMovesNothing) {
-  Window window(hills());
-  window.click(kMiddle);
-  EXPECT_EQ(window.session.state(), State::Picked);
-  ASSERT_NE(window.session.shown().region(), nullptr);
-  EXPECT_EQ(window.session.shown().region()->count(VertexClass::Handle), 1);
-  EXPECT_GT(window.session.shown().region()->count(VertexClass::Anchor), 0);
-  EXPECT_EQ(window.poses(), 0);
-  EXPECT_TRUE(window.log.empty());
-  EXPECT_FALSE(window.session.can_undo());
+  play("click 30,30; state picked; groups 30,30; in 30,30 31,30; ready; same pose rest; logged 0; cannot undo",
+       hills());
 }
 
 TEST(DragSession, ClickBesideTheMeshSaysSoAndDoesNothing) {
@@ -218,18 +211,10 @@ TEST(DragSession, NextClickAbandonsWhatIsPrepared) {
 // --- Keys -----------------------------------------------------------------------------------------------------------
 
 TEST(DragSession, TypedAmountsAreExact) {
-  const struct {
-    const char* keys;
-    Vector3 translation;
-  } cases[] = {{"tx1.5\r", {1.5, 0, 0}}, {"ty-2\r", {0, -2, 0}}, {"tz0.125\r", {0, 0, 0.125}}, {"txy3\r", {0, 3, 0}}};
-  for (const auto& c : cases) {
-    Window window(hills());
-    window.click(kMiddle);
-    window.keys(c.keys);
-    ASSERT_EQ(window.session.recorded().steps.size(), 1U) << c.keys;
-    EXPECT_EQ(window.session.recorded().steps[0].handles[0].transform.translation, c.translation) << c.keys;
-    window.expect_consistent();
-  }
+  play(
+      "click 30,30; keys tx1.5; enter; recorded 0 translation 1.5 0 0; keys ty-2; enter; recorded 1 translation 0 -2 "
+      "0; keys tz0.125; enter; recorded 2 translation 0 0 0.125; keys txy3; enter; recorded 3 translation 0 3 0",
+      hills());
 }
 
 TEST(DragSession, NormalLockFollowsTheSurface) {
@@ -290,16 +275,11 @@ TEST(DragSession, SaysWhereFramesAreFullSolutions) {
 }
 
 TEST(DragSession, RotatingOrScalingASingleVertexIsRefused) {
-  Window window(hills());
-  window.click(kMiddle);
-  for (const char* key : {"r", "s"}) {
-    window.keys(key);
-    EXPECT_EQ(window.session.state(), State::Picked);
-    EXPECT_NE(window.session.message().find(std::string(*key == 'r' ? "Turning" : "Scaling") +
-                                            " needs a handle of several vertices, and this one is vertex " +
-                                            std::to_string(kMiddle) + " alone"),
-              std::string::npos);
-  }
+  play(
+      "click 30,30; keys r; state picked; says 'Turning needs a handle of several vertices, and this one is vertex "
+      "1830 alone'; keys s; state picked; says 'Scaling needs a handle of several vertices, and this one is vertex "
+      "1830 alone'",
+      hills());
 }
 
 TEST(DragSession, KeyMotionFollowsTheMouseAndAClickAppliesIt) {
