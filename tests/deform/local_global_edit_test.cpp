@@ -97,10 +97,6 @@ Scene limb(double degrees = 80, int around_it = 16, int rings = 60) {
                {rigid(-degrees, Vector3::UnitY(), end - at, at)});
 }
 
-double farthest(const Points& a, const Points& b) {
-  return (a - b).allFinite() ? (a - b).rowwise().norm().maxCoeff() : std::numeric_limits<double>::infinity();
-}
-
 // --- what holds exactly ---
 
 /// What it prints is for OlderProcessorsGiveTheSameCoordinates, which runs it in other processes.

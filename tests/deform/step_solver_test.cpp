@@ -286,8 +286,6 @@ TEST(DenseLeastSquares, AgreesWhereTheNormalEquationsAreIllConditioned) {
 
 // --- components ---
 
-constexpr EditMethod kMethods[] = {EditMethod::Linear, EditMethod::Paper, EditMethod::Default};
-
 EditSettings with(EditMethod method) {
   EditSettings settings;
   settings.method = method;

@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The panel: what its widgets show and set, and the files that its dialogs suggest."""
 import json
-import re
 import unittest
 
 from tool import TOOL, ToolTest, numbers_of, part
 from ply import write_ply
-
-UNKNOWN = "\u2013"
 
 
 class Values(ToolTest):

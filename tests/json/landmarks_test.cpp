@@ -57,6 +57,20 @@ Named read(const std::string& text, const std::string& name) {
 
 const Named kBoth = {{"nose & tip", {0.25, -1, 0.001}}, {"chin", {1, 2, 3}}};
 
+TEST(Landmarks, AllFormatsAreRead) {
+  EXPECT_EQ(read(kPicked, "a.pp"), kBoth);
+  EXPECT_EQ(read(kFiducials, "a.fcsv"), kBoth);
+  EXPECT_EQ(read_landmarks(kFiducials, "a.fcsv").system, "LPS");
+  EXPECT_EQ(read_landmarks("#\n#=\n# columnss\n# coordinatesystem=ras\n1,1,2,3,0,0,0,1,1,1,0,a\n", "a.fcsv").system,
+            "RAS");
+  EXPECT_EQ(read(kMarkups, "A.MRK.JSON"), kBoth);
+  EXPECT_EQ(read_landmarks(kMarkups, "a.mrk.json").system, "LPS");
+  EXPECT_EQ(read("nose & tip,0.25,-1,1e-3\nchin,1,2,3\n", "a.csv"), kBoth);
+  EXPECT_EQ(read("\xEF\xBB\xBFX;Name;Y;Z\r\n0.25;\"nose & tip\";-1;1e-3\r\n\r\n# comment\r\n+1;chin;2;3", "a.csv"),
+            kBoth);
+  EXPECT_EQ(read("0.25,-1,1e-3\n1,2,3\n", "a.csv"), (Named{{"1", {0.25, -1, 0.001}}, {"2", {1, 2, 3}}}));
+}
+
 std::string refusal(const std::string& text, const std::string& name) {
   return refusal_of([&] { read_landmarks(text, name); });
 }

@@ -15,7 +15,6 @@ namespace lapedit::drag_choosing_test {
 namespace {
 
 using support::play;
-using support::same_bits;
 using support::Window;
 using State = DragSession::State;
 
