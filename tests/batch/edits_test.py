@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a whole edit has to hold, by laplacian-edit with NumPy: rotations, pieces that are near, mirror images, vertices at one
-position, other triangulations of a surface, soft handles."""
+position, other triangulations of a surface, soft handles, advice."""
 import json
 import math
 import pathlib
@@ -515,6 +515,100 @@ class SameSurface(Edits):
                     along = (1 - u) * ((1 - v) * height[i, j] + v * height[i, j + 1]) + u * ((1 - v) * height[i + 1, j] + v * height[i + 1, j + 1])
                     radii.append(r[np.argmax(along <= 8 * fraction)])
                 self.assertLess(np.abs(np.array(radii) - np.mean(radii)).max() / np.mean(radii), bound, (laplacian, fraction))
+
+
+class Advice(Edits):
+    """Results that are no success have advice: turned inside out, collapsed, with corners; rigid ones have none."""
+
+    def advice(self, mesh, *steps, fractions="1"):
+        poses, self.report = run(mesh, *steps, fractions=fractions)
+        self.assertIsNotNone(poses, self.report)
+        return self.report["advice"] or ""
+
+    def head(self, levels, is_open=False):
+        points, faces = ball(levels)
+        points = points * (0.75, 1, 1.1)
+        return points, faces[points[faces[:, 0], 2] > -0.95] if is_open else faces
+
+    def test_exchanged_landmarks_turn_a_head_inside_out(self):
+        directions = np.array([(0, 1, 0), (0, 0, 1), (0, 0.6, -0.8), (0, -1, -0.2), (0.3, 0.9, 0.3), (-0.3, 0.9, 0.3), (1, 0, 0), (-1, 0, 0)])
+        for is_open, size in ((False, 1.0), (True, 1000.0)):
+            points, faces = self.head(4 if is_open else 3, is_open)
+            marks = [nearest((points, faces), d * (0.75, 1, 1.1)) for d in directions]
+            mesh = size * (points + (5, 6, 7)), faces
+            targets = mesh[0][marks] @ rotation((1, 1, 0), 40).T + (1, 0, 0)
+            self.assertEqual(self.advice(mesh, step({"vertices": marks, "targets": targets.tolist()})), "")
+            wrong = targets[[0, 1, 2, 3, 5, 4, 7, 6]].tolist()
+            for method in ("default", "linear"):
+                advice = self.advice(mesh, step({"vertices": marks, "targets": wrong}, method=method))
+                self.assertIn("The surface of vertex 0 turned inside out, from a volume of ", advice)
+
+    def matrix(self, linear, translation=(0, 0, 0)):
+        return [*np.hstack([linear, np.reshape(translation, (3, 1))]).ravel(), 0, 0, 0, 1]
+
+    def test_mirroring_maps_turn_inside_out(self):
+        mirror = rotation((1, 2, 3), 25) @ np.diag([-1, 1, 1])
+        for mesh in (self.head(2), self.head(3, True), tube(16, 20, 4)):
+            half = np.flatnonzero(mesh[0][:, 0] > mesh[0][:, 0].mean())
+            advice = self.advice(mesh, step(handle(half, matrix=self.matrix(mirror, (1, 1, 1)))))
+            self.assertIn("turned inside out, from a volume of ", advice)
+            self.assertIn(": give maps that do not mirror, or reverse the orientation", advice)
+            self.assertEqual(self.advice(mesh, step(handle(half, matrix=self.matrix(mirror @ np.diag([-1, 1, 1]))))), "")
+
+    def test_mirroring_group_is_refused_unless_all_mirror(self):
+        mesh = tube(16, 31, 12)
+        ends, lone = [between(mesh, -1, 0.1), between(mesh, 11.9, 99)], nearest(mesh, (6, 1, 0))
+        mirror = {"matrix": self.matrix(np.diag([1, -1, 1]))}
+        self.assertRegex(run(mesh, step(handle(ends[0]), handle(ends[1], **mirror), handle(lone)))[1],
+                         "The matrix of handle group 1 mirrors, since its determinant is negative, but handle group 0 does not mirror")
+        self.assertNotEqual(self.advice(mesh, step(handle(ends[0], **mirror), handle(ends[1], **mirror))), "")
+        self.assertEqual(self.advice(mesh, step(handle(ends[0]), handle(ends[1]), handle(lone, **mirror))), "", "a single vertex only moves")
+        self.advice(mesh, step(handle(ends[0]), handle(ends[1], matrix=self.matrix(np.diag([1, -1e-18, 1])))))
+
+    def test_collapsed_tube_has_advice_unless_it_was_to_shrink(self):
+        mesh = tube(16, 31, 4, closed=False)
+        first, last = between(mesh, -1, 0.01), between(mesh, 3.99, 99)
+        twist = step(handle(first), handle(last, rotation=turn(X, 360)))  # boundaries alone are no grip
+        self.assertRegex(self.advice(mesh, twist), r"The surface of vertex \d+ lost [\d.]+ % of its volume: make the edit in two steps\.")
+        self.assertLess(self.report["volume_change"], -0.5 * self.report["volume"])
+        self.assertNotIn("volume", self.advice(mesh, twist, fractions="0.2"))
+        for shorter in (-1.3, -3.0):
+            self.assertNotIn("volume", self.advice(mesh, step(handle(first), handle(last, translation=(shorter, 0, 0)))))
+        self.assertEqual(self.advice(mesh, step(handle(first, scale=0.4))), "")
+        self.assertLess(self.report["volume_change"], -0.9 * self.report["volume"])
+        head = self.head(3)
+        for scale in ((0.5, 0.5, 0.5), (1, 0.3, 1), (0.7, 0.6, 0.4)):  # a template that is fitted to a smaller person
+            some = np.arange(0, len(head[0]), 4)
+            self.assertEqual(self.advice(head, step({"vertices": some.tolist(), "targets": (head[0][some] * scale + (1, 2, 3)).tolist()})), "")
+            self.assertLess(self.report["volume_change"], -0.5 * self.report["volume"])
+
+    def test_open_surfaces_have_no_inside(self):
+        points, faces = grid(21, 21)
+        points[:, 2] = 8 * np.exp(-((points[:, :2] - 10) ** 2).sum(1) / 30)
+        mesh = points, faces
+        self.assertNotIn("volume", self.advice(mesh, step(handle(near(mesh, (10, 10, 8), 2.5), translation=(0, 0, -14)), region={"radius": 8})))
+
+    def test_corners_where_the_region_ends(self):
+        for rings in (81, 161):
+            mesh = tube(12, rings, 40, closed=False)
+            pull = handle(between(mesh, 38.5, 99), translation=(0, 8, 0))
+            self.assertIn("The surface bends by 5", self.advice(mesh, step(pull, region={"radius": 6})))
+            self.assertEqual(self.advice(mesh, step(pull, region={"radius": 30})), "")
+
+    def test_rigid_results_have_none_at_any_order(self):
+        needles, faces = grid(20, 20)
+        needles[np.arange(0, 399, 7)] = needles[np.arange(1, 400, 7)] + (2e-7, 0, 1e-7)
+        needles[:, 2] += 3 * np.sin(0.3 * needles[:, 0])
+        for points, faces in (grid(5, 5), self.head(2), (needles, faces)):
+            n = len(points)
+            for away in (0.0, 30.0):
+                mesh = (points + away).astype(np.float32).astype(float), faces
+                for linear, translation in ((np.eye(3), (3.1, 2.2, 4.3)), (rotation((1, 2, 3), 100), (1, 0, 2)), (rotation(Y, 180), (0.1, 0, 0))):
+                    for method in METHODS:
+                        for order in (1,) if method == "default" else (1, 2, 3):
+                            settings = {} if method == "default" else {"order": order, "membrane": 0 if method == "paper" else 500}
+                            one = handle([0, n // 5, n // 3, n // 2, n - 2], matrix=self.matrix(linear, translation))
+                            self.assertEqual(self.advice(mesh, step(one, method=method, **settings)), "", (method, order))
 
 
 class SoftHandles(Edits):

@@ -158,8 +158,8 @@ struct Player {
     session().poll();
   }
 
-  /// What a window asks for while it draws.
-  void look() {
+  /// What a window asks for while it draws. @param has_waited  so that strokes began at the known region
+  void look(bool has_waited) {
     DragSession& s = session();
     require(!s.message().empty(), "there is always a message");
     const DragFigures figures = s.figures();
@@ -189,7 +189,7 @@ struct Player {
     std::sort(all.begin(), all.end());
     require(std::adjacent_find(all.begin(), all.end()) == all.end(), "groups have no vertex in common");
     require(
-        selection.region.kind != RegionSpec::Kind::Vertices ||
+        !has_waited || selection.region.kind != RegionSpec::Kind::Vertices ||
             std::includes(selection.region.vertices.begin(), selection.region.vertices.end(), all.begin(), all.end()),
         "groups are in the region");
   }
@@ -249,7 +249,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (waits) {
       player.settle();
     }
-    player.look();
+    player.look(waits);
     require(player.window.host().allFinite(), "what the host is given is finite");
   }
   player.check();
