@@ -440,30 +440,6 @@ TEST_F(SolverErrors, StaysUsableAfterARefusedSolve) {
   EXPECT_TRUE(support::same_bits(solver.pose(good), expected));
 }
 
-TEST_F(SolverErrors, EveryStageCanBeCancelled) {
-  const StepOptions alone = {StoredScalar::Double, {}, {1}};
-  std::vector<double> fractions;
-  const Progress count = [&](double fraction, const char* stage) {
-    EXPECT_NE(std::string(stage), "");
-    fractions.push_back(fraction);
-    return true;
-  };
-  {
-    const ProgressScope scope(count);
-    const Prepared uncancelled(mesh, region, {}, alone);
-  }
-  EXPECT_GT(fractions.size(), 2U);
-  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
-  EXPECT_TRUE(fractions.front() >= 0 && fractions.back() <= 1);
-  for (std::size_t stop = 0; stop < fractions.size(); ++stop) {
-    std::size_t call = 0;
-    const Progress until = [&](double, const char*) { return call++ < stop; };
-    const ProgressScope scope(until);
-    support::expect_refusal(ErrorCause::Cancelled, [&] { Prepared(mesh, region, {}, alone); });
-    EXPECT_EQ(call, stop + 1);
-  }
-}
-
 /// Fails if a pose that was ended in the middle leaves something that a later one takes for its own. The whole mesh
 /// moves, so each pose starts from another place.
 TEST(StepSolver, CancelledPosesLeaveNoTrace) {

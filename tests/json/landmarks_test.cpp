@@ -89,14 +89,6 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("a,0,0,0\n", "a.txt"), "has no suffix of a landmark file");
   expect_contains(refusal("label,r,a,s,defined\na,0,0,0,0\n", "a.csv"), "\"a.csv\" has no landmarks");
   expect_contains(refusal("label,r,a,s,defined\na,0,0,0\n", "a.csv"), "line 2: has 4 columns, but 5 are needed");
-  for (const char* name : {"a.csv", "a.tsv", "a.fcsv", "a.pp", "a.mrk.json"}) {
-    for (const std::string& text : {std::string("\xFF\xFE"
-                                                "a\0",
-                                                4),
-                                    std::string("\xFE\xFF\0a", 4), std::string("a\0", 2), std::string("\0a", 2)}) {
-      expect_contains(refusal(text, name), std::string("\"") + name + "\" is text in UTF-16: save it in UTF-8.");
-    }
-  }
   expect_contains(refusal("", "a.pp"), "has no element PickedPoints");
   expect_contains(refusal("<PickedPoints></PickedPoints>", "a.pp"), "has no landmarks");
   expect_contains(refusal("<PickedPoints>\n<point x=\"1\" y=\"2\" name=\"a\"/>", "a.pp"),

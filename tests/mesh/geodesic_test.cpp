@@ -74,38 +74,6 @@ TEST_P(GeodesicOn, ListsReachedVerticesNearestFirstThenByNumber) {
   }
 }
 
-TEST_P(GeodesicOn, FieldHasTheBitsOfTheSearch) {
-  const TriangleMesh small = GetParam()();
-  const TriangleMesh mesh = shapes::together(small, shapes::letter_field(90, 70), Vector3(0, 0, 9));
-  const int n = static_cast<int>(mesh.vertices.rows());
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  std::vector<int> many;  // enough for each thread to get some
-  std::vector<char> allowed(n, 1);
-  for (int v = 0; v < n; ++v) {
-    allowed[v] = v % 11 != 0;
-    if (v % 9 == 1) {
-      many.push_back(v);
-    }
-  }
-  GeodesicSearch search({adjacency.neighbours, mesh.vertices});
-  for (const int threads : {1, 2, 5}) {
-    ThreadPool pool(threads);
-    for (const std::vector<int>& seeds : {std::vector<int>{}, {4, 4}, {n - 1, 20}, many}) {
-      for (const std::vector<char>* only : {static_cast<std::vector<char>*>(nullptr), &allowed}) {
-        double cutoff = kUnreached;
-        for (int pass = 0; pass < 3; ++pass) {
-          const std::vector<int> reached = search.run(seeds, cutoff, only);
-          const DistanceField field({adjacency.neighbours, mesh.vertices}, seeds, cutoff, only, pool);
-          for (int v = 0; v < n; ++v) {
-            ASSERT_EQ(field[v], search.distance(v)) << "vertex " << v << ", " << threads << " threads";
-          }
-          cutoff = reached.empty() ? 0 : search.distance(reached[reached.size() / 2]);  // exactly a vertex's
-        }
-      }
-    }
-  }
-}
-
 TEST(Geodesic, AddsUpEdgesOnAGrid) {
   const std::vector<double> found = distances(shapes::grid(5, 5), {0});
   EXPECT_EQ(found[4], 4);   // along a side

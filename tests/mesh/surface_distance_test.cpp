@@ -174,19 +174,21 @@ TEST_P(SurfaceDistanceOn, FieldHasTheBitsOfTheSearch) {
       many.push_back(v);
     }
   }
-  GeodesicSearch search({mesh, adjacency});
-  for (const int threads : {1, 2, 5}) {
-    ThreadPool pool(threads);
-    for (const std::vector<int>& seeds : {std::vector<int>{}, {4, 4}, {n - 1, 20}, many}) {
-      for (const std::vector<char>* only : {static_cast<std::vector<char>*>(nullptr), &allowed}) {
-        double cutoff = kUnreached;
-        for (int pass = 0; pass < 3; ++pass) {
-          const std::vector<int> reached = search.run(seeds, cutoff, only);
-          const DistanceField field({mesh, adjacency}, seeds, cutoff, only, pool);
-          for (int v = 0; v < n; ++v) {
-            ASSERT_EQ(field[v], search.distance(v)) << "vertex " << v << ", " << threads << " threads";
+  for (const PathGraph& graph : {PathGraph(mesh, adjacency), PathGraph(adjacency.neighbours, mesh.vertices)}) {
+    GeodesicSearch search(graph);
+    for (const int threads : {1, 2, 5}) {
+      ThreadPool pool(threads);
+      for (const std::vector<int>& seeds : {std::vector<int>{}, {4, 4}, {n - 1, 20}, many}) {
+        for (const std::vector<char>* only : {static_cast<std::vector<char>*>(nullptr), &allowed}) {
+          double cutoff = kUnreached;
+          for (int pass = 0; pass < 3; ++pass) {
+            const std::vector<int> reached = search.run(seeds, cutoff, only);
+            const DistanceField field(graph, seeds, cutoff, only, pool);
+            for (int v = 0; v < n; ++v) {
+              ASSERT_EQ(field[v], search.distance(v)) << "vertex " << v << ", " << threads << " threads";
+            }
+            cutoff = reached.empty() ? 0 : search.distance(reached[reached.size() / 2]);  // exactly a vertex's
           }
-          cutoff = reached.empty() ? 0 : search.distance(reached[reached.size() / 2]);  // exactly a vertex's
         }
       }
     }

@@ -114,13 +114,10 @@ TEST(DragPaint, InvertBlurAndClearChangeTheTargetAndAreUndone) {
 }
 
 TEST(DragPaint, VerticesThatTheMeshLacksAreRefused) {
-  Window window(shapes::grid(60, 60));
-  window.session.set_anchors({kMiddle, 3600});
-  EXPECT_TRUE(window.says("The mesh has 3600 vertices")) << window.session.message();
-  window.session.set_handle({-1, kMiddle});
-  EXPECT_TRUE(window.says("The mesh has 3600 vertices")) << window.session.message();
-  EXPECT_TRUE(window.session.selection().held.empty());
-  EXPECT_TRUE(window.session.selection().groups.empty());
+  play(
+      "keep a; anchors 30,30 60,0; says 'The mesh has 3600 vertices'; handle 0,-1 30,30; says 'The mesh has 3600 "
+      "vertices'; same held a; groups none",
+      shapes::grid(60, 60));
 }
 
 TEST(DragPaint, HandleThatIsNotThereIsNotInverted) {

@@ -151,22 +151,8 @@ TEST(DragSession, ReleasedStepCanBeDroppedUntilItIsThere) {
 }
 
 TEST(DragSession, FinishAppliesWhatWasReleasedAndDropsWhatIsHeld) {
-  Window released(hills());
-  released.press(kMiddle);
-  released.session.move(released.at(kMiddle, Vector2(50, 20)));
-  released.session.release(released.at(kMiddle, Vector2(50, 20)));
-  EXPECT_TRUE(released.session.finish(std::chrono::hours(1)));
-  EXPECT_EQ(released.session.recorded().steps.size(), 1U);
-  released.expect_consistent();
-
-  Window held(hills());
-  held.click(kMiddle);
-  held.press(kMiddle);
-  held.session.move(held.at(kMiddle, Vector2(50, 20)));
-  held.session.wait();
-  EXPECT_TRUE(held.session.finish({}));
-  EXPECT_EQ(held.session.recorded().steps.size(), 0U);
-  EXPECT_TRUE(same_bits(held.host(), held.session.original().vertices));
+  play("press 30,30; move 30,30 50 20; release 30,30 50 20; finish 3600; steps 1; consistent", hills());
+  play("click 30,30; press 30,30; move 30,30 50 20; wait; finish 0; steps 0; same pose rest", hills());
 }
 
 TEST(DragSession, FinishDoesNotWaitLongerThanItMayAndTheStepFollows) {

@@ -220,6 +220,7 @@ class Play {
     if (on("back")) return s.go_to(times);
     if (on("wait")) return s.wait();
     if (on("cancel")) return s.cancel(), s.wait();
+    if (on("finish")) return expect(s.finish(std::chrono::seconds(times)));
     if (on("reload")) return s.load(s.recorded());
     if (on("whole")) return s.whole_component(), s.wait();
     if (on("handle")) return s.set_handle(named()), s.wait();
