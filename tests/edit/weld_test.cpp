@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "lapedit/base/error.h"
 #include "lapedit/edit/edit.h"
@@ -31,13 +32,13 @@ EditStep pull(const TriangleMesh& mesh, const Vector3& at, double radius) {
 }
 
 TEST(Weld, NamesTheFirstOfEachPlace) {
-  const double nan = std::nan("");
-  Points points(8, 3);
-  points << 0, 0, 0, 1, 0, 0, -0.0, 0, -0.0, 1, 0, 0, 1, 1e-300, 0, nan, 0, 0, nan, 0, 0, 1, 0, 0;
+  const double nan = std::nan(""), far = std::numeric_limits<double>::infinity();
+  Points points(10, 3);
+  points << 0, 0, 0, 1, 0, 0, -0.0, 0, -0.0, 1, 0, 0, 1, 1e-300, 0, nan, 0, 0, nan, 0, 0, 1, 0, 0, 0, far, 0, 0, far, 0;
   const Weld weld(points);
   ASSERT_FALSE(weld.empty());
-  const std::vector<int> first = {0, 1, 0, 1, 4, 5, 6, 1};
-  for (int v = 0; v < 8; ++v) {
+  const std::vector<int> first = {0, 1, 0, 1, 4, 5, 6, 1, 8, 9};
+  for (int v = 0; v < 10; ++v) {
     EXPECT_EQ(weld.representative(v), first[static_cast<std::size_t>(v)]) << v;
   }
   std::vector<int> vertices = {1, 4}, rows;

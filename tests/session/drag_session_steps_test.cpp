@@ -135,8 +135,23 @@ TEST(DragRegion, BrushMakesARegionWithoutTheFarSide) {
 
 TEST(DragRegion, GrowsAndShrinksByARingAndGrowsToTheComponent) {
   play(
-      "whole; says 'no handle'; set radius 5; click 30,30; keep a; keys ]; more region a; keys [; same region a; "
-      "ready; whole; in 0..59,0 0..59,59; anchor 0,0 not");
+      "whole; says 'no handle'; keys ]; says 'no region yet'; set radius 5; click 30,30; keep a; keys ]; more region "
+      "a; keys [; same region a; ready; whole; in 0..59,0 0..59,59; anchor 0,0 not; set radius 2; keys w; click "
+      "10,10; keys [[[; in 10,10; groups 10,10");
+  play("region 30,30 31,31; keys [; says 'no vertices left'; in 30,30");
+}
+
+TEST(DragRegion, GivenOneKeepsTheHandlesInsideIt) {
+  play(
+      "set radius 12; region none; says 'No vertices are selected'; click 30,30; keys g; click 34,30; region 32,26 "
+      "36,34; groups 34,30; active 0; in 32,26 36,34; out 30,30 33,35");
+}
+
+/// With a wide band up to the handle's neighbours.
+TEST(DragRegion, AnchorsThatHoldNothingAreFoundAnew) {
+  play(
+      "set radius 12 padding 1; click 30,30; click 32,31; drag 32,31 5 5; recorded 0 anchors 0; keys w; set radius 8 "
+      "padding 0.3; click 30,30; keep a; click 32,31; same region a; same anchors a; drag 32,31 5 5; steps 2");
 }
 
 TEST(DragRegion, HandleAloneIsRefusedWithALine) {
@@ -149,14 +164,36 @@ TEST(DragRegion, HandleAloneIsRefusedWithALine) {
 
 TEST(DragHandle, ClicksAddAndTakeVertices) {
   play(
-      "click 30,30; click 31,31 add; click 30,32 add; groups 30,30 30,32 31,31; click 30,32 take; groups 30,30 31,31; "
-      "drag 31,31 20 20; together 30,30 31,31");
+      "click 30,30 add; click 31,31 add; click 30,32 add; groups 30,30 30,32 31,31; click 30,32 take; groups 30,30 "
+      "31,31; click 35,30 take; says 'Vertex 2130 is in no handle'; drag 31,31 20 20; together 30,30 31,31; keep a; "
+      "click 31,31 take; click 30,30 take; groups none; active -1; same region a");
 }
 
 TEST(DragHandle, SeveralGroupsMoveIndependently) {
   play(
       "set radius 12; click 30,30; keys g; click 36,30; count 2; active 1; drag 36,30 0 30; rests 30,30 36,30 0.01; "
       "drag 30,30 0 -30; active 0; count 2; recorded 1 handles 2");
+}
+
+TEST(DragHandle, AnotherGroupLeavesTheOthersAndTheRegionAsTheyAre) {
+  play(
+      "keys g; says 'no handle'; set radius 12 disc 0.2; click 30,30; keep a; keys g; click 34,30; count 2; active 1; "
+      "same region a; keys g; click 50,30; count 3; more region a; in 50,30 55,30; keys g; set radius 8; click 30,40; "
+      "count 4; click 30,36; count 1");
+}
+
+TEST(DragHandle, CurveGoesAroundOtherGroupsAndStaysOnItsPieceAndInItsRegion) {
+  const TriangleMesh grid = shapes::grid(60, 60);
+  play(
+      "set radius 15; click 30,35; keys g; mode curve; click 30,30; click 30,40; count 2; painted 30,35; size 10 1; "
+      "mode vertex; mode curve; click 32,30; groups 32,30",
+      grid);
+  play(
+      "region 20,20 30,30; mode curve; click 25,28; click 25,34; says '4 vertices of the curve are outside the region, "
+      "for example vertex 1531'; groups 25,28",
+      grid);
+  play("mode curve; click 30,30; click 60,12; says 'No path along edges'; groups 30,30",
+       shapes::together(grid, shapes::grid(5, 5), Vector3(70, 0, 0)));
 }
 
 TEST(DragHandle, CurveIsJoinedByShortestPathsAndMovesAsOne) {

@@ -136,7 +136,7 @@ class Play {
 
   void take_block() {
     std::vector<int> block;
-    for (int v = vertex(0); v <= vertex(1); ++v) {
+    for (int v = is(0, "none") ? 1 : vertex(0); v <= (is(0, "none") ? 0 : vertex(1)); ++v) {
       if (v % 60 >= vertex(0) % 60 && v % 60 <= vertex(1) % 60) block.push_back(v);
     }
     window.session.set_region(block);
@@ -242,7 +242,8 @@ class Play {
     if (on("settled")) return equal(window.settled(), !is(0, "not"));
     if (on("groups")) return equal(selection.groups, groups());
     if (on("count")) return equal(selection.groups.size(), number(0));
-    if (on("size")) return equal(selection.groups.at(0).size(), number(0));
+    if (on("size"))
+      return equal(selection.groups.at(words_.size() > 1 ? static_cast<std::size_t>(number(1)) : 0).size(), number(0));
     if (on("active")) return equal(selection.active, number(0));
     if (on("moving")) {  // the groups that do, in their order
       std::vector<std::string> moving;
