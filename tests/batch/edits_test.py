@@ -4,6 +4,7 @@ position, other triangulations of a surface, soft handles, advice."""
 import json
 import math
 import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
@@ -581,6 +582,23 @@ class Advice(Edits):
             some = np.arange(0, len(head[0]), 4)
             self.assertEqual(self.advice(head, step({"vertices": some.tolist(), "targets": (head[0][some] * scale + (1, 2, 3)).tolist()})), "")
             self.assertLess(self.report["volume_change"], -0.5 * self.report["volume"])
+
+    def test_sheet_that_is_pulled_over_its_boundary_is_folded(self):
+        mesh = grid(41, 41)
+        for vertices, remedy in (([840], ", or use a group of vertices as the handle"), ([800, 839, 840, 841, 880], "")):
+            advice = self.advice(mesh, step(handle(vertices, translation=(12, 0, 0.5)), region={"radius": 9}, method="linear"))
+            found = re.match(rf"(\d+) triangles folded over near vertex (\d+), and .*: use a larger region{remedy}\.\Z", advice)
+            self.assertTrue(found, advice)
+            self.assertEqual(int(found[1]), self.report["folded"])
+            self.assertLess(np.linalg.norm(mesh[0][int(found[2])] - mesh[0][840]), 10, "in the region")
+
+    def test_a_handle_that_lags_has_a_higher_weight_unless_it_is_soft(self):
+        mesh = tube(24, 61, 10)
+        tip = between(mesh, 8.9, 99, -1)
+        for weight, soft in ((10, 1), (0.008, 1), (0.008, 0.5)):
+            group = {**handle(tip, translation=(0, 0, 1)), "weights": [soft] * len(tip)}
+            advice = self.advice(mesh, step(group, region={"radius": 6}, method="paper", handle_weight=weight))
+            self.assertEqual("raise handle_weight" in advice, weight < 1 and soft == 1, advice)
 
     def test_open_surfaces_have_no_inside(self):
         points, faces = grid(21, 21)

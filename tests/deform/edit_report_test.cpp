@@ -138,41 +138,6 @@ TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
   EXPECT_NEAR(enclosed_volume(region_of_both, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
 }
 
-/// A limb along x whose tip goes somewhere.
-struct Limb {
-  TriangleMesh mesh = shapes::tapered_arm(24, 60);
-  EditStep step;
-
-  explicit Limb(double handle_from = 10) {
-    step.region.radius = 6;
-    step.settings = EditSettings::of(EditMethod::Paper);
-    step.handles.resize(1);
-    for (int v = 0; v < mesh.vertices.rows(); ++v) {
-      if (mesh.vertices(v, 0) >= handle_from) {
-        step.handles[0].vertices.push_back(v);
-      }
-    }
-  }
-  EditReport report() const { return support::apply_step(mesh, step).reports.at(0); }
-};
-
-TEST(AdviceOnAnEdit, SaysWhereALimbPulledThroughItselfIsFolded) {
-  Limb limb;
-  ASSERT_EQ(limb.step.handles[0].vertices.size(), 1U);
-  limb.step.handles[0].transform.translation = Vector3(-4, 0, 0);
-  const EditReport r = limb.report();
-  EXPECT_GT(r.folded, 10);
-  EXPECT_LT(r.volume_change, -0.1 * r.volume);
-  ASSERT_GE(r.causes.near, 0);
-  EXPECT_GT(limb.mesh.vertices(r.causes.near, 0), 4) << "in the region";
-  const std::string said = std::to_string(r.folded) + " triangles folded over near vertex " +
-                           std::to_string(r.causes.near) + ": use a group of vertices as the handle";
-  EXPECT_EQ(r.advice().substr(0, said.size()), said);
-  EXPECT_EQ(r.text().substr(r.text().size() - r.advice().size() - 1), "\n" + r.advice());
-  limb.step.handles[0].transform.translation = Vector3(-6.5, 0, 0);
-  EXPECT_NE(limb.report().advice().find(": use a larger region, use a group"), std::string::npos);
-}
-
 TEST(AdviceOnAnEdit, NamesTheRemediesInOrder) {
   EditReport r;
   EXPECT_EQ(r.advice(), "");
@@ -250,21 +215,6 @@ TEST(AdviceOnAnEdit, IsAtMostTwoSentencesTheFirstOnTheShape) {
             "2 triangles folded over near vertex 5, and an edge at vertex 17 became 6.25 times as long: use a group of "
             "vertices as the handle. " +
                 on_handle);
-}
-
-TEST(AdviceOnAnEdit, IsAHigherWeightForAHandleThatLags) {
-  Limb limb(9);
-  limb.step.handles[0].transform.translation = Vector3(0, 0, 1);
-  EXPECT_EQ(limb.report().advice(), "");
-  limb.step.settings.handle_weight = 0.008;
-  const EditReport r = limb.report();
-  EXPECT_GT(r.causes.distance, 0.1);
-  EXPECT_NEAR(r.causes.distance, r.handle_residual, 1e-12);
-  EXPECT_NE(r.advice().find("from its target at vertex " + std::to_string(r.causes.behind) + ": raise handle_weight"),
-            std::string::npos)
-      << r.advice();
-  limb.step.handles[0].weights.assign(limb.step.handles[0].vertices.size(), 0.5);  // lags on purpose
-  EXPECT_EQ(limb.report().advice(), "");
 }
 
 class ReportOfAnEdit : public testing::Test {

@@ -292,18 +292,6 @@ EditSettings with(EditMethod method) {
   return settings;
 }
 
-TEST(Components, OneWithoutHandleStays) {
-  const TriangleMesh mesh = shapes::two_pieces(2);
-  EditStep step;
-  step.region = given(vertices_where(mesh, [](const Vector3&) { return true; }));
-  step.handles.push_back({{10}, {}});
-  step.handles[0].transform.translation = Vector3(0.2, 0.1, 0.5);
-  const EditResult result = support::apply_step(mesh, step);
-  EXPECT_EQ(result.reports[0].left_out, 162);
-  EXPECT_EQ(result.vertices.size(), 162U);
-  EXPECT_LT(result.vertices.back(), 162) << "the other sphere is not mentioned";
-}
-
 TEST(Components, OneWithoutAnchorFollowsItsHandle) {
   // Most of one sphere, which is held along its boundary, and all of another one.
   const TriangleMesh mesh = shapes::two_pieces(2);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "drag_support.h"
+#include "lapedit/mesh/weld.h"
 
 namespace lapedit::support {
 
@@ -267,6 +268,13 @@ class Play {
     if (on("images")) return expect((way(0) - Vector3(-1, 1, 1).cwiseProduct(way(1))).norm() < 0.1 * way(0).norm());
     if (on("together")) return expect((way(0) - way(1)).norm() < 0.01 * way(0).norm());
     if (on("rests")) return expect(way(0).norm() < number(2) * way(1).norm());
+    if (on("closed")) {  // all that was at one place still is
+      const Weld weld(s.original().vertices);
+      expect(!weld.empty());
+      for (int v = 0; v < window.host().rows(); ++v)
+        equal(window.host().row(v), window.host().row(weld.representative(v)));
+      return;
+    }
     if (on("no_last")) return expect(!s.last_step());
     if (on("last_is"))
       return expect(s.last_step()->motion.translation == vector(0) && s.last_step()->fraction == number(3));
