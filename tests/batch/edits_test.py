@@ -416,9 +416,10 @@ class Welds(Edits):
         points, faces = grid(15, 15)
         mesh = together((points, faces), (points, faces[:, ::-1]), (0, 0, 0))
         for method in METHODS:
-            after = edited(mesh, step(handle(112, translation=(0.6, 0.3, 1.8)), region={"radius": 6}, method=method))
+            (after,), report = run(mesh, step(handle(112, translation=(0.6, 0.3, 1.8)), region={"radius": 6}, method=method))
             self.assertTrue((after[:225] == after[225:]).all(), method)
             self.assertGreater(after[:, 2].max(), 1.5)
+            self.assertEqual(report["welded"], sum(report[key] for key in ("handle", "free", "anchors")))
 
     def test_other_vertices_of_a_position_can_be_named(self):
         *mesh, of = self.islands(grid(21, 21), 10)
