@@ -5,7 +5,7 @@
 # usage: install_dependencies.sh [WHAT]...
 #   build       MeshLab, and what the plugins are built with: the default
 #   tests       also what tests/run takes
-#   pictures    also what the demonstration and the gallery take
+#   pictures    also what the demonstration and the pictures take
 #   everything  also what tests/run --everything takes
 #
 # It needs root's rights, or sudo.

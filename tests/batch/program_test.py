@@ -11,7 +11,7 @@ import unittest
 
 from program import (ADVISED, CENTRE, COMMAND, DOME, FACES, LEAN, LIFT, POINTS, REFUSED, SANITIZED, UNEXPECTED, UNREADABLE,
                      UNWRITABLE, WRONG_USAGE, MeshBytes, ProgramTest, files)
-from shapes import dome, with_seam
+from shapes import dome
 
 SOURCES = pathlib.Path(__file__).parents[2] / "filter_laplacian_edit" / "program"
 
@@ -111,25 +111,6 @@ class Edits(ProgramTest):
         self.assertRegex(self.done(self.mesh, "out.ply", edit), r"\AStep 1 of 2\nRegion: 1 handle, [^$]*\nStep 2 of 2\nRegion: ")
         self.mesh.write_bytes(files.ply_plain(DOME, "double"))
         self.assertEqual(self.report(edit)["scalar"], "double")
-
-    def test_vertices_at_the_same_place_stay_together(self):
-        mesh, seam = with_seam(DOME, lambda x, y, z: x > y)
-        points, faces = DOME
-        soup = [points[v] for face in faces for v in face], [(3 * k, 3 * k + 1, 3 * k + 2) for k in range(len(faces))]
-        places = {}
-        for v, point in enumerate(soup[0]):
-            places.setdefault(point, []).append(v)
-        for name, torn, together in (("seam", mesh, seam), ("soup", soup, [(p[0], v) for p in places.values() for v in p[1:]])):
-            for suffix, write in ((".ply", files.ply_plain), (".obj", lambda m: files.obj(m, more=False))):
-                path = self.folder / (name + suffix)
-                path.write_bytes(write(torn))
-                with self.subTest(name=name, suffix=suffix):
-                    step = {"region": {"radius": 0.4}, "handles": [{"points": [points[220]], "translation": [0, 0, 0.2]}]}
-                    self.done(path, "out" + suffix, self.write_edit(step), "--report", "report.json")
-                    (report,) = json.loads((self.work / "report.json").read_text())["outputs"][0]["steps"]
-                    after = MeshBytes(suffix, (self.work / ("out" + suffix)).read_bytes()).points
-                    self.assertTrue(all(after[a] == after[b] for a, b in together))
-                    self.assertGreater(report["welded"], 0)
 
     def test_poses_take_the_memory_of_one(self):
         side = 120

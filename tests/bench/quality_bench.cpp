@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shape and time of edits by this library's settings and by its peers, as a Markdown table and as JSON.
-// See README.md.
+// Shape and time of edits by this library's settings and by its peers, as JSON. See README.md.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,35 +17,28 @@
 #include "peers.h"
 #include "quality_edits.h"
 #include "quality_files.h"
-#include "quality_remeshing.h"
-#include "quality_report.h"
 #include "quality_scene.h"
 
 namespace quality {
 namespace {
 
 constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
-  --edits A,B           these edits (--list names them)
-  --quick               a handful of them
-  --generated, --real   only those on generated, on real meshes
+  --edits A,B           these edits, as quality_edits.cpp names them
   --ours NAME=KEY=VALUE,KEY=VALUE
                         adds these settings, by the keys of JSON, under a name; what is not named is as by default
   --only A,B            only these methods
   --blender             Blender's Laplacian Deform too
-  --remeshed            instead of the table: the change of each edit when the surface is triangulated anew
   --threads N           ours; 0, the default: as many as the machine has
   --repeat N            best times of so many runs (2)
   --json FILE           all figures
   --out DIR             the meshes, one folder for each edit
-  --list                the edits, and no more
 )";
 
 /// The command line: options with their values, and those without.
 struct Options {
   std::map<std::string, std::string> values = {{"--edits", ""},   {"--only", ""}, {"--ours", ""}, {"--threads", "0"},
                                                {"--repeat", "2"}, {"--json", ""}, {"--out", ""}};
-  std::map<std::string, bool> flags = {{"--quick", false}, {"--blender", false}, {"--generated", false},
-                                       {"--real", false},  {"--list", false},    {"--remeshed", false}};
+  std::map<std::string, bool> flags = {{"--blender", false}};
   std::vector<std::pair<std::string, std::string>> ours;  ///< settings with their names
   int threads = 0, repeat = 2;
 
@@ -151,6 +142,27 @@ void run_again(const Method& method, const Scene& scene, Outcome& outcome) {
   }
 }
 
+/// A number that is not finite is written as null.
+nlohmann::ordered_json as_json(const Figures& f) {
+  return {{"rms", f.rms},
+          {"area_rms", f.area_rms},
+          {"shear", f.shear},
+          {"worst", f.worst},
+          {"tilt", f.tilt},
+          {"far", f.far},
+          {"twist", f.twist},
+          {"asymmetry", f.asymmetry},
+          {"largest", f.largest},
+          {"flipped", f.flipped},
+          {"pairs", f.pairs},
+          {"volume", f.volume},
+          {"behind", f.behind},
+          {"prepare_ms", f.prepare_ms},
+          {"solve_ms", f.solve_ms},
+          {"frame_ms", f.frame_ms},
+          {"fast_frame", f.fast_frame}};
+}
+
 /// The rest pose, its classes for the renderer, and where to look at it from.
 void write_rest(const std::filesystem::path& folder, const Scene& scene) {
   std::filesystem::create_directories(folder);
@@ -184,12 +196,11 @@ std::vector<const NamedEdit*> chosen_edits(const Options& options) {
   const std::vector<std::string> names = options.list("--edits");
   for (const std::string& name : names) {
     if (std::none_of(edits().begin(), edits().end(), [&](const NamedEdit& edit) { return edit.name == name; })) {
-      throw std::runtime_error("there is no edit " + name + ": see --list");
+      throw std::runtime_error("there is no edit " + name);
     }
   }
   for (const NamedEdit& edit : edits()) {
-    if (among(names, edit.name) && (!options.has("--quick") || edit.quick) &&
-        !options.has(edit.real ? "--generated" : "--real")) {
+    if (among(names, edit.name)) {
       result.push_back(&edit);
     }
   }
@@ -200,18 +211,7 @@ int run(int argc, char** argv) {
   const Options options(argc, argv);
   const std::vector<Method> methods = make_methods(options);
   const std::vector<const NamedEdit*> chosen = chosen_edits(options);
-  if (options.has("--list")) {
-    for (const NamedEdit* edit : chosen) {
-      std::printf("%s\n", edit->name);
-    }
-    return 0;
-  }
   const std::string& out = options.value("--out");
-  if (options.has("--remeshed")) {
-    print_remeshed(chosen, methods);
-    return 0;
-  }
-  print_head();
   nlohmann::ordered_json json;
   for (const NamedEdit* named : chosen) {
     const Scene scene(named->make());
@@ -226,22 +226,24 @@ int run(int argc, char** argv) {
         run_again(methods[m], scene, outcomes[m]);
       }
     }
-    Row row{named->name, named->kind, scene.region.size(), std::vector<Figures>(methods.size())};
+    nlohmann::ordered_json& row = json[named->name];
+    row = {{"vertices", scene.region.size()}, {"class", named->kind}};
     for (std::size_t m = 0; m < methods.size(); ++m) {
       if (!outcomes[m].best) {
-        row.of[m].failed = outcomes[m].failed;
+        row[methods[m].name] = {{"failed", outcomes[m].failed}};
         continue;
       }
-      row.of[m] = measure(scene, *outcomes[m].best);
+      row[methods[m].name] = as_json(measure(scene, *outcomes[m].best));
       if (!out.empty()) {
         write_ply(folder / (methods[m].name + ".ply"), outcomes[m].best->positions, scene.edit.mesh.faces);
       }
     }
-    print_row(row, methods);
-    json[named->name] = as_json(row, methods);
+    std::fprintf(stderr, "%s\n", named->name);
   }
   if (const std::string& file = options.value("--json"); !file.empty()) {
     std::ofstream(file) << json.dump(1) << '\n';
+  } else {
+    std::puts(json.dump(1).c_str());
   }
   return 0;
 }

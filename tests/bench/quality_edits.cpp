@@ -32,6 +32,21 @@ using lapedit::TriangleMesh;
 using lapedit::Vector3;
 namespace shapes = lapedit::shapes;
 
+// Kinds of edits; Survey: of M. Botsch, O. Sorkine, TVCG 2008.
+namespace kinds {
+constexpr const char* Vertex = "one vertex pulled";
+constexpr const char* Turned = "group turned by at most 90";
+constexpr const char* FarTurned = "group turned by more";
+constexpr const char* Several = "several groups, components";
+constexpr const char* Elbow = "elbows";
+constexpr const char* Support = "standing animals";
+constexpr const char* Coarse = "coarse meshes";
+constexpr const char* Uneven = "half fine meshes";
+constexpr const char* Relief = "deep relief";
+constexpr const char* Survey = "survey";
+constexpr const char* Other = "other";
+}  // namespace kinds
+
 // --- Regions, handles, motions ---------------------------------------------------------------------------------------
 
 RegionSpec within(double radius) {
@@ -371,103 +386,102 @@ Edit landmarks() {
 }
 
 std::vector<NamedEdit> generated_edits() {
-  using C = EditClass;
   const Vector3 y(0, 1, 0), centre(30, 7, 7);
   return {
-      {"ear_vertex", C::Vertex, true, false,
+      {"ear_vertex", kinds::Vertex,
        [] {
          const TriangleMesh mesh = head_with_ear(0.024);
          return edit_of(mesh, {0.9, -0.6, 0.3}, within(1.7), patch(mesh, kEar, 0), shift({1.0, 0.2, -0.6}));
        }},
-      {"ear_group", C::FarTurned, false, false,
+      {"ear_group", kinds::FarTurned,
        [] {
          const TriangleMesh mesh = head_with_ear(0.024);
          return turned_patch(mesh, {0.9, -0.6, 0.3}, within(1.5), patch(mesh, kEar, 0.25), 100, {0, 1, 0},
                              {0.85, 0, -0.6});
        }},
-      {"limb_90", C::Turned, true, false, [] { return bent_limb(90); }},
-      {"limb_120", C::FarTurned, false, false, [] { return bent_limb(120); }},
-      {"limb_179", C::FarTurned, false, false, [] { return bent_limb(179); }},
-      {"limb_twisted", C::FarTurned, false, false,
+      {"limb_90", kinds::Turned, [] { return bent_limb(90); }},
+      {"limb_120", kinds::FarTurned, [] { return bent_limb(120); }},
+      {"limb_179", kinds::FarTurned, [] { return bent_limb(179); }},
+      {"limb_twisted", kinds::FarTurned,
        [] {
          return limb(turn(120, {1, 0, 0}, {9, 0, 0}));
        }},
-      {"arm_120", C::FarTurned, false, false,
+      {"arm_120", kinds::FarTurned,
        [=] {
          return arm(0.04, 3.3, 9, within(2.6), arc(120, -y, {0.9, 0, 0}, {2.4, 0, 0}));
        }},
-      {"arm_vertex", C::Vertex, true, false,
+      {"arm_vertex", kinds::Vertex,
        [] {
          const TriangleMesh mesh = body_with_arm(0.04);
          return edit_of(mesh, kAtArm, within(3.6), patch(mesh, Vector3(4.1, 0, 0), 0), shift({-1.2, 0, 2.2}));
        }},
-      {"nose_gently", C::Vertex, false, false, [] { return pulled_nose(0.5); }},
-      {"nose_far", C::Vertex, true, false, [] { return pulled_nose(1.5); }},
-      {"tail_vertex", C::Vertex, false, false, [] { return bent_tail(false); }},
-      {"tail_group", C::Turned, true, false, [] { return bent_tail(true); }},
-      {"letters_sideways", C::Vertex, false, false, letters},
-      {"grid_sideways", C::Other, true, false, bumpy_grid},
-      {"bar_twisted", C::Several, true, false,
+      {"nose_gently", kinds::Vertex, [] { return pulled_nose(0.5); }},
+      {"nose_far", kinds::Vertex, [] { return pulled_nose(1.5); }},
+      {"tail_vertex", kinds::Vertex, [] { return bent_tail(false); }},
+      {"tail_group", kinds::Turned, [] { return bent_tail(true); }},
+      {"letters_sideways", kinds::Vertex, letters},
+      {"grid_sideways", kinds::Other, bumpy_grid},
+      {"bar_twisted", kinds::Several,
        [] {
          return with_spine(bar(Affine::Identity(), turn(90, {1, 0, 0}, {0, 7, 7})), {1, 0, 0}, 4.5, 55.5);
        }},
-      {"bar_both_ends", C::Several, false, false,
+      {"bar_both_ends", kinds::Several,
        [=] {
          return bar(arc(60, y, centre, {-25.5, 0, 0}), arc(60, -y, centre, {25.5, 0, 0}));
        }},
-      {"elbow_half_60", C::Elbow, false, false, [] { return elbow(0.5, 60); }},
-      {"elbow_half_120", C::Elbow, false, false, [] { return elbow(0.5, 120); }},
-      {"elbow_one_90", C::Elbow, false, false, [] { return elbow(1, 90); }},
-      {"elbow_one_120", C::Elbow, true, false, [] { return elbow(1, 120); }},
-      {"elbow_one_150", C::Elbow, false, false, [] { return elbow(1, 150); }},
-      {"elbow_two_120", C::Elbow, false, false, [] { return elbow(2, 120); }},
-      {"elbow_two_150", C::Elbow, false, false, [] { return elbow(2, 150); }},
-      {"neck_nods", C::Turned, false, false,
+      {"elbow_half_60", kinds::Elbow, [] { return elbow(0.5, 60); }},
+      {"elbow_half_120", kinds::Elbow, [] { return elbow(0.5, 120); }},
+      {"elbow_one_90", kinds::Elbow, [] { return elbow(1, 90); }},
+      {"elbow_one_120", kinds::Elbow, [] { return elbow(1, 120); }},
+      {"elbow_one_150", kinds::Elbow, [] { return elbow(1, 150); }},
+      {"elbow_two_120", kinds::Elbow, [] { return elbow(2, 120); }},
+      {"elbow_two_150", kinds::Elbow, [] { return elbow(2, 150); }},
+      {"neck_nods", kinds::Turned,
        [] {
          return neck({1, 0, 0});
        }},
-      {"neck_turns", C::Turned, true, false,
+      {"neck_turns", kinds::Turned,
        [] {
          return neck({0, 0, 1});
        }},
-      {"fist", C::Several, false, false, fist},
-      {"figure_posed", C::Several, true, false, [] { return posed_figure(0.035); }},
-      {"figure_bows", C::Several, false, false, bowing_figure},
-      {"landmarks_60", C::Several, false, false, landmarks},
-      {"tube_4", C::Turned, false, false, [] { return tube(96, 4); }},
-      {"tube_12", C::Turned, false, false, [] { return tube(160, 12); }},
-      {"compressed_40", C::Other, false, false, [] { return compressed(0.4); }},
-      {"compressed_80", C::Other, false, false, [] { return compressed(0.8); }},
-      {"finger_pushed", C::Other, false, false, pushed_finger},
-      {"scaled_up", C::Other, false, false, [] { return scaled(2); }},
-      {"scaled_down", C::Other, false, false, [] { return scaled(0.5); }},
-      {"hoof_lifted", C::Support, true, false, [] { return lifted_hoof(0.045); }},
-      {"hoof_pulled_apart", C::Support, false, false, hoof_pulled_apart},
-      {"animal_twisted", C::Support, true, false, twisted_animal},
-      {"coarse_hoof", C::Coarse, false, false, [] { return lifted_hoof(0.15); }},
-      {"coarse_limb", C::Coarse, true, false,
+      {"fist", kinds::Several, fist},
+      {"figure_posed", kinds::Several, [] { return posed_figure(0.035); }},
+      {"figure_bows", kinds::Several, bowing_figure},
+      {"landmarks_60", kinds::Several, landmarks},
+      {"tube_4", kinds::Turned, [] { return tube(96, 4); }},
+      {"tube_12", kinds::Turned, [] { return tube(160, 12); }},
+      {"compressed_40", kinds::Other, [] { return compressed(0.4); }},
+      {"compressed_80", kinds::Other, [] { return compressed(0.8); }},
+      {"finger_pushed", kinds::Other, pushed_finger},
+      {"scaled_up", kinds::Other, [] { return scaled(2); }},
+      {"scaled_down", kinds::Other, [] { return scaled(0.5); }},
+      {"hoof_lifted", kinds::Support, [] { return lifted_hoof(0.045); }},
+      {"hoof_pulled_apart", kinds::Support, hoof_pulled_apart},
+      {"animal_twisted", kinds::Support, twisted_animal},
+      {"coarse_hoof", kinds::Coarse, [] { return lifted_hoof(0.15); }},
+      {"coarse_limb", kinds::Coarse,
        [=] {
          return edit_where(
              shapes::tapered_arm(12, 28), {0, -1, 0.2}, within(7.5), [](const Vector3& p) { return p.x() > 9; },
              arc(90, -y, {1.7, 0, 0}, {7.3, 0, 0}));
        }},
-      {"coarse_arm", C::Coarse, false, false,
+      {"coarse_arm", kinds::Coarse,
        [=] {
          return arm(0.15, 3.3, 9, within(2.6), arc(120, -y, {0.9, 0, 0}, {2.4, 0, 0}));
        }},
-      {"coarse_figure", C::Coarse, false, false, [] { return posed_figure(0.11); }},
-      {"half_fine_bent", C::Uneven, true, false, [] { return tube_of_16(half_fine_tube(), kBentTube); }},
-      {"half_fine_twisted", C::Uneven, false, false,
+      {"coarse_figure", kinds::Coarse, [] { return posed_figure(0.11); }},
+      {"half_fine_bent", kinds::Uneven, [] { return tube_of_16(half_fine_tube(), kBentTube); }},
+      {"half_fine_twisted", kinds::Uneven,
        [] {
          return with_spine(tube_of_16(half_fine_tube(), kTwistedTube), {1, 0, 0}, 2, 13.5);
        }},
-      {"half_fine_pulled", C::Uneven, false, false,
+      {"half_fine_pulled", kinds::Uneven,
        [] {
          const TriangleMesh mesh = half_fine_tube();
          return edit_of(mesh, {0.1, -1, 0.15}, within(5), patch(mesh, {8, 0, 1}, 1), shift({0, 0, 2.5}));
        }},
-      {"relief_bent", C::Relief, false, false, [] { return tube_of_16(tube_with_relief(), kBentTube); }},
-      {"relief_twisted", C::Relief, false, false, [] { return tube_of_16(tube_with_relief(), kTwistedTube); }},
+      {"relief_bent", kinds::Relief, [] { return tube_of_16(tube_with_relief(), kBentTube); }},
+      {"relief_twisted", kinds::Relief, [] { return tube_of_16(tube_with_relief(), kTwistedTube); }},
   };
 }
 
@@ -476,8 +490,7 @@ std::vector<NamedEdit> generated_edits() {
 #ifdef QUALITY_REAL_MESHES
 struct RealEdit {
   const char* name;
-  EditClass kind;
-  bool quick;
+  const char* kind;
   const char* file;
   int handle;
   double radius;
@@ -531,46 +544,45 @@ Edit survey(const std::string& name, bool held_by_group, const Vector3& toward) 
 }
 
 std::vector<NamedEdit> real_edits() {
-  using C = EditClass;
   constexpr double kPull = -12 / 9.4;
   const Vector3 profile(0.9, -0.55, 0.15), below(0.5, 0.45, -0.9), face(0.9, 0.1, 0.6), side(0.5, 0.15, 1),
       hill(0.3, -0.9, 0.6), y(0, 1, 0), z(0, 0, 1);
   const char *mannequin = "mannequin.off", *octopus = "octopus.off", *bunny = "bunny.ply", *igea = "igea.ply";
   const RealEdit rows[] = {
-      {"mannequin_nose", C::Vertex, false, mannequin, 8624, 0.6117, {0, kPull * 0.6117, 0}, profile, z},
-      {"mannequin_face", C::Vertex, false, mannequin, 8624, 1.2155, {0, -1.29, 0}, profile, z},
-      {"mannequin_far", C::Vertex, true, mannequin, 8624, 1.2155, {0, kPull * 1.2155, 0}, profile, z},
-      {"octopus_vertex", C::Vertex, true, octopus, 3175, 0.8, {0, 0.437, 0}, below, y},
-      {"octopus_group", C::Turned, false, octopus, 3175, 0.8, {0, 0.3, 0}, below, y, 0.1, 90, {-0.65, 0, 0.76}},
-      {"bunny_vertex", C::Vertex, true, bunny, 23637, 0.06, {0.03, -0.05, 0.03}, side, y},
-      {"bunny_group", C::Turned, false, bunny, 23637, 0.06, {0.015, -0.015, 0.03}, side, y, 0.015, 75, {1, 0, 0}},
-      {"igea_nose", C::Vertex, false, igea, 31536, 0.02, {0, 0, 0.02}, face, y},
-      {"igea_face", C::Vertex, false, igea, 31536, 0.0374, {0, 0.01, 0.03}, face, y},
-      {"laurana_nose", C::Vertex, false, "Laurana50k.ply", 25805, 80, {0, 0, 60}, face, y},
-      {"bumps_up", C::Vertex, false, "bumpy_plane.off", 20200, 40, {0, 0, 42.5}, hill, z},
-      {"bumps_sideways", C::Vertex, false, "bumpy_plane.off", 20200, 30, {20, 0, 30}, hill, z}};
+      {"mannequin_nose", kinds::Vertex, mannequin, 8624, 0.6117, {0, kPull * 0.6117, 0}, profile, z},
+      {"mannequin_face", kinds::Vertex, mannequin, 8624, 1.2155, {0, -1.29, 0}, profile, z},
+      {"mannequin_far", kinds::Vertex, mannequin, 8624, 1.2155, {0, kPull * 1.2155, 0}, profile, z},
+      {"octopus_vertex", kinds::Vertex, octopus, 3175, 0.8, {0, 0.437, 0}, below, y},
+      {"octopus_group", kinds::Turned, octopus, 3175, 0.8, {0, 0.3, 0}, below, y, 0.1, 90, {-0.65, 0, 0.76}},
+      {"bunny_vertex", kinds::Vertex, bunny, 23637, 0.06, {0.03, -0.05, 0.03}, side, y},
+      {"bunny_group", kinds::Turned, bunny, 23637, 0.06, {0.015, -0.015, 0.03}, side, y, 0.015, 75, {1, 0, 0}},
+      {"igea_nose", kinds::Vertex, igea, 31536, 0.02, {0, 0, 0.02}, face, y},
+      {"igea_face", kinds::Vertex, igea, 31536, 0.0374, {0, 0.01, 0.03}, face, y},
+      {"laurana_nose", kinds::Vertex, "Laurana50k.ply", 25805, 80, {0, 0, 60}, face, y},
+      {"bumps_up", kinds::Vertex, "bumpy_plane.off", 20200, 40, {0, 0, 42.5}, hill, z},
+      {"bumps_sideways", kinds::Vertex, "bumpy_plane.off", 20200, 30, {20, 0, 30}, hill, z}};
   std::vector<NamedEdit> list;
   for (const RealEdit& row : rows) {
-    list.push_back({row.name, row.kind, row.quick, true, [row] { return make_real(row); }});
+    list.push_back({row.name, row.kind, [row] { return make_real(row); }});
   }
   for (const bool group : {false, true}) {
     const auto name = [group](const char* held, const char* by_group) { return group ? by_group : held; };
-    list.push_back({name("survey_bar", "survey_bar_group"), C::Survey, !group, true, [=] {
+    list.push_back({name("survey_bar", "survey_bar_group"), kinds::Survey, [=] {
                       return with_spine(survey("bar", group, {0.3, -1, 0.1}), z, 30, 95.6);
                     }});
-    list.push_back({name("survey_cylinder", "survey_cylinder_group"), C::Survey, !group, true, [=] {
+    list.push_back({name("survey_cylinder", "survey_cylinder_group"), kinds::Survey, [=] {
                       return survey("cylinder", group, {0.1, -1, 0.1});
                     }});
-    list.push_back({name("survey_cactus", "survey_cactus_group"), C::Survey, !group, true, [=] {
+    list.push_back({name("survey_cactus", "survey_cactus_group"), kinds::Survey, [=] {
                       return survey("cactus", group, {1, 0, 0.1});
                     }});
-    list.push_back({name("survey_plane", "survey_plane_group"), C::Survey, !group, true, [=] {
+    list.push_back({name("survey_plane", "survey_plane_group"), kinds::Survey, [=] {
                       Edit edit = with_spine(survey("plane", group, {0.1, -1, 0.2}), {1, 0, 0}, 4.2, 95.8);
                       edit.height_field = true;
                       return edit;
                     }});
   }
-  list.push_back({"mannequin_head", C::Turned, false, true, [] {
+  list.push_back({"mannequin_head", kinds::Turned, [] {
                     return edit_where(
                         lapedit::real::load("mannequin.off"), {-0.5, -0.8, 0.2}, within(0.9),
                         [](const Vector3& p) { return p.z() > -0.62 + 0.35 * p.y(); },

@@ -105,30 +105,6 @@ int flipped_triangles(const Adjacency& adjacency, const Faces& faces, const std:
   }));
 }
 
-double dihedral_change(const Faces& faces, const std::vector<int>& looked_at, const Points& before,
-                       const Points& after) {
-  std::map<std::pair<int, int>, std::vector<std::pair<int, int>>> sides;  // edge -> its faces and their third corners
-  for (const int f : looked_at) {
-    for (int k = 0; k < 3; ++k) {
-      sides[std::minmax(faces(f, k), faces(f, (k + 1) % 3))].emplace_back(f, faces(f, (k + 2) % 3));
-    }
-  }
-  double sum = 0;
-  int count = 0;
-  for (const auto& [side, at] : sides) {
-    const auto angle = [&faces, &side = side, &at = at](const Points& p) {
-      const Vector3 a = cross(p, faces, at[0].first), b = cross(p, faces, at[1].first);
-      const double beyond = a.dot(p.row(at[1].second) - p.row(side.first));
-      return std::copysign(std::atan2(a.cross(b).norm(), a.dot(b)), -beyond) * 180 / kPi;
-    };
-    if (at.size() == 2) {
-      sum += std::abs(std::remainder(angle(after) - angle(before), 360.0));
-      ++count;
-    }
-  }
-  return count > 0 ? sum / count : 0;
-}
-
 AreaStretch area_stretch(const Faces& faces, const std::vector<int>& looked_at, const Points& before,
                          const Points& after) {
   constexpr double kLeast = 1e-6, kWorst = 0.01;

@@ -19,12 +19,6 @@ std::vector<int> region_faces(const lapedit::Adjacency& adjacency, const lapedit
 int flipped_triangles(const lapedit::Adjacency& adjacency, const lapedit::Faces& faces,
                       const std::vector<int>& looked_at, const lapedit::Points& before, const lapedit::Points& after);
 
-/// Mean absolute change, in degrees, of the angle between the normals of neighbouring faces among those looked at, with
-/// its sign: positive where the surface is convex. Edges of more than two faces, and at faces without area, are left
-/// out.
-double dihedral_change(const lapedit::Faces& faces, const std::vector<int>& looked_at, const lapedit::Points& before,
-                       const lapedit::Points& after);
-
 /// How far faces are stretched, weighted by their areas before, in logarithms of the two principal ratios of lengths.
 struct AreaStretch {
   double rms = 0;    ///< of the logarithms

@@ -86,7 +86,6 @@ Figures measure(const Scene& scene, const MethodResult& result) {
                   [&has = scene.has_free_corner](const auto& pair) { return !has[pair.first] && !has[pair.second]; }),
               pairs.end());
   figures.pairs = new_pairs(scene.pairs, pairs);
-  figures.dihedral = dihedral_change(mesh_faces, scene.faces, before, after);
   const AreaStretch areas = area_stretch(mesh_faces, scene.faces, before, after);
   figures.area_rms = areas.rms;
   figures.shear = areas.shear;

@@ -45,9 +45,8 @@ struct Method {
 /// Shape and times of one edit by one method; 1 for 100 %.
 struct Figures {
   double rms = 0, largest = 0;
-  double volume = 0;    ///< not a number where nothing is enclosed
-  double behind = 0;    ///< largest distance of a handle vertex from its target over the longest way of one
-  double dihedral = 0;  ///< mean absolute change of the angles between faces, degrees
+  double volume = 0;  ///< not a number where nothing is enclosed
+  double behind = 0;  ///< largest distance of a handle vertex from its target over the longest way of one
   double area_rms = 0, shear = 0, worst = 0;  ///< see AreaStretch
   double tilt = 0;                            ///< of details, degrees
   double far = 0;  ///< mean displacement of the farthest 30 % of the region over the handles' largest one
@@ -55,7 +54,6 @@ struct Figures {
   int flipped = 0, pairs = 0;
   double prepare_ms = 0, solve_ms = 0, frame_ms = 0;
   bool fast_frame = true;
-  std::string failed;  ///< why there are none; empty otherwise
 };
 
 /// @param result  with finite positions

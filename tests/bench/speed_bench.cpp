@@ -33,7 +33,7 @@ using lapedit::Stopwatch;
 using quality::Problem;
 using Solver = std::unique_ptr<StepSolver>;
 
-constexpr int kLargestForCgal = 300000, kLargestForBlender = 100000;
+constexpr int kLargestForCgal = 300000;
 
 /// Milliseconds of each round, by row. A row of bytes has one entry.
 using Runs = std::map<std::string, std::vector<double>>;
@@ -205,17 +205,7 @@ Runs measure(int vertices, int rounds) {
   if (vertices <= kLargestForCgal) {
     methods.emplace_back([&] {
       const quality::MethodResult result = quality::smooth_arap(scene);
-      runs["CGAL's preprocess"].push_back(result.prepare_ms);
       runs["CGAL's iteration"].push_back(result.frame_ms);
-    });
-  }
-  if (vertices <= kLargestForBlender && std::system("command -v blender >/dev/null") == 0) {
-    methods.emplace_back([&, done = 0]() mutable {
-      if (++done <= 2) {
-        const quality::MethodResult result = quality::blender(scene);
-        runs["Blender's bind"].push_back(result.prepare_ms);
-        runs["Blender's update"].push_back(result.frame_ms);
-      }
     });
   }
   std::mt19937 random(1);
@@ -239,12 +229,10 @@ struct Ratio {
   std::vector<std::pair<int, double>> targets;
 };
 const Ratio kRatios[] = {{"region ready", "CHOLMOD", {{0, 1}, {12000, 0.8}}},
-                         {"region ready", "CGAL's preprocess", {{0, 1}}},
                          {"first frame", "CHOLMOD", {{32280, 1.0 / 8}, {100000, 1.0 / 12}, {300000, 1.0 / 20}}},
                          {"first frame", "region ready", {{0, 1}}},
                          {"frame of the cells alone", "frame", {{0, 1}}},
                          {"frame", "CGAL's iteration", {{100000, 1.0 / 8}}},
-                         {"frame", "Blender's update", {{4685, 0.1}, {12774, 0.05}, {32280, 0.04}}},
                          {"next handle: a vertex", "region ready", {{0, 1.0 / 12}}},
                          {"next handle: the tool's disc", "region ready", {{0, 0.5}}},
                          {"memory", "CHOLMOD's factor", {{0, 1.4}}}};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Prints for each vertex of the generated limb a colour of its cell, as common/demo/render.py knows colours of
-// vertices; neighbouring cells differ. For the picture of the cells in common/docs/method.md (`tests/scripts/gallery.sh
-// cells`).
+// vertices; neighbouring cells differ. For the picture of the cells in common/docs/method.md
+// (tests/scripts/pictures.py).
 //
 // usage: cell_colours RADIUS VERTEX...   the handle's vertices, and the region's radius
 #include <cstdio>

@@ -138,55 +138,6 @@ TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
   EXPECT_NEAR(enclosed_volume(region_of_both, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
 }
 
-/// A limb along x whose tip goes somewhere.
-struct Limb {
-  TriangleMesh mesh = shapes::tapered_arm(24, 60);
-  EditStep step;
-
-  explicit Limb(double handle_from = 10) {
-    step.region.radius = 6;
-    step.settings = EditSettings::of(EditMethod::Paper);
-    step.handles.resize(1);
-    for (int v = 0; v < mesh.vertices.rows(); ++v) {
-      if (mesh.vertices(v, 0) >= handle_from) {
-        step.handles[0].vertices.push_back(v);
-      }
-    }
-  }
-  EditReport report() const { return support::apply_step(mesh, step).reports.at(0); }
-};
-
-TEST(AdviceOnAnEdit, SaysWhereALimbPulledThroughItselfIsFolded) {
-  Limb limb;
-  ASSERT_EQ(limb.step.handles[0].vertices.size(), 1U);
-  limb.step.handles[0].transform.translation = Vector3(-4, 0, 0);
-  const EditReport r = limb.report();
-  EXPECT_GT(r.folded, 10);
-  EXPECT_LT(r.volume_change, -0.1 * r.volume);
-  ASSERT_GE(r.causes.near, 0);
-  EXPECT_GT(limb.mesh.vertices(r.causes.near, 0), 4) << "in the region";
-  const std::string said = std::to_string(r.folded) + " triangles folded over near vertex " +
-                           std::to_string(r.causes.near) + ": use a group of vertices as the handle";
-  EXPECT_EQ(r.advice().substr(0, said.size()), said);
-  EXPECT_EQ(r.text().substr(r.text().size() - r.advice().size() - 1), "\n" + r.advice());
-  limb.step.handles[0].transform.translation = Vector3(-6.5, 0, 0);
-  EXPECT_NE(limb.report().advice().find(": use a larger region, use a group"), std::string::npos);
-}
-
-TEST(AdviceOnAnEdit, IsTwoStepsForALargeRotation) {
-  Limb limb(9);
-  limb.step.handles[0].transform.translation = Vector3(-3, 0, 0);
-  limb.step.handles[0].transform.axis = Vector3(0, 1, 0);
-  limb.step.handles[0].transform.degrees = 170;
-  for (const EditMethod method : {EditMethod::Linear, EditMethod::Paper}) {
-    limb.step.settings = EditSettings::of(method);
-    const EditReport r = limb.report();
-    EXPECT_GT(r.folded, 0) << name(method);
-    EXPECT_LE(r.folded, r.flipped) << name(method);
-    EXPECT_NE(r.advice().find(": make the edit in two steps."), std::string::npos) << r.advice();
-  }
-}
-
 TEST(AdviceOnAnEdit, NamesTheRemediesInOrder) {
   EditReport r;
   EXPECT_EQ(r.advice(), "");
@@ -266,97 +217,6 @@ TEST(AdviceOnAnEdit, IsAtMostTwoSentencesTheFirstOnTheShape) {
                 on_handle);
 }
 
-TEST(AdviceOnAnEdit, IsOnExchangesAndVolumesBeforeTheShape) {
-  EditReport r;
-  r.folded = 12;
-  r.causes.near = 5;
-  r.causes.lost = {7, 4.15, -3.37, false};
-  const std::string inside_out = "The surface of vertex 7 turned inside out, from a volume of 4.15 to -3.37: ";
-  const std::string folded = " 12 triangles folded over near vertex 5: make the edit in two steps.";
-  EXPECT_EQ(r.advice(), inside_out + "make the edit in two steps." + folded);
-  r.handle_displacement = 2;
-  r.causes.reach = 1;
-  EXPECT_EQ(r.advice().substr(0, inside_out.size() + 20), inside_out + "use a larger region,");
-  r.causes.lost.mirrored = true;
-  EXPECT_EQ(r.advice().substr(0, inside_out.size() + 30), inside_out + "give maps that do not mirror, ");
-  r.causes.lost = {7, -4, -1, false};  // with inward normals
-  r.has_targets = true;
-  EXPECT_EQ(r.advice().substr(0, 62), "The surface of vertex 7 lost 75 % of its volume: check the tar");
-  r.targets_advice = "check the unit";
-  EXPECT_EQ(r.advice().substr(0, 80),
-            "The surface of vertex 7 lost 75 % of its volume: for the targets check the unit.");
-  r = EditReport();
-  r.folded = 12;
-  r.stretch_max = 100;
-  r.iterations = r.settings.iterations = 6;
-  r.rotation_left = 100;
-  r.causes.rigid = true;
-  EXPECT_EQ(r.advice(), "");
-}
-
-/// A grid as a whole component: a small group in the middle holds, another beside it is turned.
-struct Sheet {
-  TriangleMesh mesh = shapes::grid(30, 20);
-  EditStep step;
-
-  Sheet() {
-    step.region.kind = RegionSpec::Kind::Component;
-    step.handles.resize(2);
-    step.settings = EditSettings::of(EditMethod::Linear);
-    step.handles[0].vertices = {289, 290, 309, 310};
-    step.handles[1].vertices = {292, 293, 312, 313};
-    step.handles[1].transform.axis = Vector3(0, 1, 0);
-    step.handles[1].transform.degrees = 40;
-  }
-  EditReport report() const { return support::apply_step(mesh, step).reports.at(0); }
-};
-
-TEST(AdviceOnAnEdit, NamesTheOrderThatBlowsASheetUp) {
-  Sheet sheet;
-  EXPECT_EQ(sheet.report().advice(), "");
-  sheet.step.settings.order = 3;
-  const EditReport r = sheet.report();
-  EXPECT_GT(r.stretch_max, 5);
-  EXPECT_NE(r.advice().find("dge at vertex " + std::to_string(r.causes.stretched) + " became "), std::string::npos);
-  EXPECT_NE(r.advice().find("use order 1"), std::string::npos) << r.advice();
-}
-
-TEST(AdviceOnAnEdit, NamesTheEdgeThatIsStretchedMost) {
-  Limb limb;
-  limb.step.handles[0].transform.translation = Vector3(25, 0, 0);
-  const EditResult result = support::apply_step(limb.mesh, limb.step);
-  const EditReport& r = result.reports.at(0);
-  ASSERT_GT(r.stretch_max, 5);
-  double longest = 0;
-  const Points after = support::edited(limb.mesh, result);
-  for (const auto& face : limb.mesh.faces.rowwise()) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = face[k], b = face[(k + 1) % 3];
-      if (std::min(a, b) == r.causes.stretched) {
-        const double before = (limb.mesh.vertices.row(a) - limb.mesh.vertices.row(b)).norm();
-        longest = std::max(longest, (after.row(a) - after.row(b)).norm() / before - 1);
-      }
-    }
-  }
-  EXPECT_NEAR(longest, r.stretch_max, 1e-12);
-  EXPECT_NE(r.advice().find("dge at vertex " + std::to_string(r.causes.stretched)), std::string::npos) << r.advice();
-}
-
-TEST(AdviceOnAnEdit, IsAHigherWeightForAHandleThatLags) {
-  Limb limb(9);
-  limb.step.handles[0].transform.translation = Vector3(0, 0, 1);
-  EXPECT_EQ(limb.report().advice(), "");
-  limb.step.settings.handle_weight = 0.008;
-  const EditReport r = limb.report();
-  EXPECT_GT(r.causes.distance, 0.1);
-  EXPECT_NEAR(r.causes.distance, r.handle_residual, 1e-12);
-  EXPECT_NE(r.advice().find("from its target at vertex " + std::to_string(r.causes.behind) + ": raise handle_weight"),
-            std::string::npos)
-      << r.advice();
-  limb.step.handles[0].weights.assign(limb.step.handles[0].vertices.size(), 0.5);  // lags on purpose
-  EXPECT_EQ(limb.report().advice(), "");
-}
-
 class ReportOfAnEdit : public testing::Test {
  protected:
   EditReport report(const EditSettings& settings, double lift = 10) {
@@ -404,20 +264,6 @@ TEST_F(ReportOfAnEdit, NumbersAreThoseOfTheEdit) {
   }
 }
 
-TEST(EditReport, PrintedChoicesAreThoseOfAnEdit) {
-  for (const Setting& setting : settings_table()) {
-    for (std::size_t k = 0; k < setting.choices.size(); ++k) {
-      EditSettings settings;
-      setting.set(settings, static_cast<double>(k));
-      const std::string key = setting.key, printed = key == "method"      ? name(settings.method)
-                                                     : key == "laplacian" ? name(settings.laplacian)
-                                                                          : name(settings.rough);
-      EXPECT_EQ(printed, setting.choices[k]) << key;
-      EXPECT_NE(std::string(setting.range).find(printed), std::string::npos) << key;
-    }
-  }
-}
-
 TEST_F(ReportOfAnEdit, RotationLeftIsThatOfTheLastPass) {
   EditSettings settings;
   settings.iterations = 2;
@@ -428,44 +274,6 @@ TEST_F(ReportOfAnEdit, RotationLeftIsThatOfTheLastPass) {
   const EditReport paper = report(EditSettings::of(EditMethod::Paper));
   EXPECT_NEAR(paper.rotation_left, paper.rotation_max, 1e-9);
   EXPECT_EQ(report(EditSettings::of(EditMethod::Linear)).rotation_left, 0);
-}
-
-/// A component without anchors follows its handle: what is rigid or known comes out so.
-TEST(ReportOfAFreeComponent, IsThatOfItsMotion) {
-  const TriangleMesh mesh = shapes::tapered_arm(24, 60);
-  EditStep step;
-  step.region.kind = RegionSpec::Kind::Component;
-  step.settings = EditSettings::of(EditMethod::Paper);
-  step.handles = {{{0, 1, 2, 3}, {}}};
-  step.handles[0].transform.translation = Vector3(1, 2, 3);
-  step.handles[0].transform.axis = Vector3(1, 1, 0);
-  step.handles[0].transform.degrees = 100;
-  const EditReport moved = support::apply_step(mesh, step).reports.at(0);
-  EXPECT_LT(moved.stretch_max, 1e-12);
-  EXPECT_EQ(moved.flipped, 0);
-  EXPECT_EQ(moved.folded, 0);
-  EXPECT_NEAR(moved.volume_change, 0, 1e-12);
-  EXPECT_EQ(moved.rotation_left, 0) << "no pass was needed";
-  EXPECT_EQ(moved.advice(), "");
-  step.handles[0].transform.scale = 1.1;
-  const EditReport grown = support::apply_step(mesh, step).reports.at(0);
-  EXPECT_NEAR(grown.volume_change, 0.331 * grown.volume, 1e-9);
-  EXPECT_NE(grown.text().find("(+33.1 %)"), std::string::npos) << grown.text();
-}
-
-TEST_F(ReportOfAnEdit, NothingMovedReportsZero) {
-  for (const EditSettings& settings : {EditSettings(), EditSettings::of(EditMethod::Paper)}) {
-    const EditReport r = report(settings, 0);
-    EXPECT_EQ(r.handle_displacement, 0);
-    EXPECT_EQ(r.handle_residual, 0);
-    EXPECT_EQ(r.anchor_residual, 0);
-    EXPECT_EQ(r.rotation_max, 0);
-    EXPECT_EQ(r.stretch_rms, 0);
-    EXPECT_EQ(r.flipped, 0);
-    EXPECT_EQ(r.folded, 0);
-    EXPECT_EQ(r.volume_change, 0);
-    EXPECT_EQ(r.rotation_left, 0);
-  }
 }
 
 TEST(EditReport, TextHoldsEveryNumber) {

@@ -56,33 +56,6 @@ Eigen::MatrixXd kernel_by_definition(const TriangleMesh& mesh, double r) {
   return result;
 }
 
-TEST(VertexNormals, AreWeightedByArea) {
-  // Two right triangles on one edge: area 1/2 in the plane z = 0, area 1 in the plane y = 0.
-  TriangleMesh mesh;
-  mesh.vertices.resize(4, 3);
-  mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 2;
-  mesh.faces.resize(2, 3);
-  mesh.faces << 0, 1, 2, 0, 3, 1;
-  Points normals;
-  vertex_normals(mesh.vertices, mesh.faces, normals);
-  const Vector3 both = Vector3(0, 2, 1).normalized();
-  EXPECT_LT((normals.row(0).transpose() - both).norm(), 1e-15);
-  EXPECT_LT((normals.row(1).transpose() - both).norm(), 1e-15);
-  EXPECT_EQ(Vector3(normals.row(2)), Vector3(0, 0, 1));
-  EXPECT_EQ(Vector3(normals.row(3)), Vector3(0, 1, 0));
-}
-
-TEST(VertexNormals, PointOutwards) {
-  const TriangleMesh arm = shapes::tapered_arm(24, 60, 0);
-  Points normals;
-  vertex_normals(arm.vertices, arm.faces, normals);
-  for (Eigen::Index v = 0; v < arm.vertices.rows(); ++v) {
-    const Vector3 inside(std::clamp(arm.vertices(v, 0), 1.0, 9.7), 0, 0);  // the nearest point of the arm's skeleton
-    EXPECT_NEAR(normals.row(v).norm(), 1, 1e-14);
-    EXPECT_GT(normals.row(v).dot(arm.vertices.row(v) - inside.transpose()), 0) << "vertex " << v;
-  }
-}
-
 TEST(VertexNormals, OppositeFacesCancelToZeroNotToNoise) {
   // Two faces of one edge folded onto each other, tilted so that nothing cancels bit for bit.
   TriangleMesh mesh;
@@ -171,31 +144,6 @@ TEST(SmoothingKernel, SampledNormalsAreNearTheExactOnes) {
   const double raw = (exact - normals).rowwise().norm().maxCoeff() * 180 / std::acos(-1.0);
   EXPECT_LT(degrees, 5);
   EXPECT_GT(raw, 45) << "the letters' flanks have to be smoothed away for this to say anything";
-}
-
-TEST(SmoothingKernel, ThreadsDoNotChangeABit) {
-  const TriangleMesh mesh = shapes::letter_field(48, 24);
-  const Region region = whole(mesh);
-  for (const std::size_t limit : {kNeverSampled, std::size_t(1)}) {
-    Points one, other;
-    SmoothingKernel(region, mesh.vertices, 0.4, 1, limit).apply(mesh.vertices, one, scratch);
-    for (const int threads : {2, 3, 4, 0}) {
-      SmoothingKernel(region, mesh.vertices, 0.4, threads, limit).apply(mesh.vertices, other, scratch);
-      EXPECT_TRUE(support::same_bits(one, other)) << threads << " threads, limit " << limit;
-    }
-  }
-}
-
-TEST(SmoothingKernel, RenumberingPermutes) {
-  const TriangleMesh mesh = shapes::letter_field(48, 24);
-  const std::vector<int> numbers = support::shuffled(48 * 24, 3);
-  const TriangleMesh other = support::renumbered(mesh, numbers, 4);
-  for (const std::size_t limit : {kNeverSampled, std::size_t(1)}) {
-    Points before, after;
-    SmoothingKernel(whole(mesh, 600), mesh.vertices, 0.4, 1, limit).apply(mesh.vertices, before, scratch);
-    SmoothingKernel(whole(other, numbers[600]), other.vertices, 0.4, 1, limit).apply(other.vertices, after, scratch);
-    EXPECT_LT(support::error(support::rows(after, numbers), before), 1e-14) << "limit " << limit;
-  }
 }
 
 TEST(AutomaticNormalRadius, FollowsTheSizeOfTheModel) {

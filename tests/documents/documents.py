@@ -10,7 +10,6 @@ import json
 import os
 import pathlib
 import re
-import shlex
 import subprocess
 import tempfile
 import unittest
@@ -98,83 +97,6 @@ def code(cell):
 def ranges(cell):
     """What a cell says of the numbers that are allowed, as "1 to 3" or "greater than 0"."""
     return re.findall(r"(?<![\d.])(\d[\d.]*) (?:\([^)]*\) )?to (\d[\d.]*\d|\d)", cell), "greater than 0" in cell
-
-
-def _complete(text):
-    """If a shell would not wait for more of a command."""
-    try:
-        shlex.split(text, comments=True)
-    except ValueError:
-        return False
-    return not text.endswith("\\")
-
-
-def _in_block(lines):
-    """The commands of (number, line), as (number, text): those joined by && apart, but with the variables set before."""
-    settings, begin, text = "", None, ""
-    for number, line in lines:
-        if not text:
-            begin = number
-            if not line.strip() or line.lstrip().startswith("#"):
-                continue
-        text += ("\n" if text else "") + re.sub(r"\s{2,}# .*", "", line)
-        if not _complete(text):
-            continue
-        if re.match(r"(export )?\w+=\S*$", text):
-            settings += text + "\n"
-        else:
-            # What is in quotes or parentheses is not cut.
-            for part in [text] if re.match(r"\(|.*[\"'].* && ", text) else text.split(" && "):
-                yield begin, settings + part
-        text = ""
-    assert not text, f"line {begin}: a command does not end"
-
-
-def commands(path):
-    """All commands that a document shows: (line number, text) of blocks marked sh, of indented blocks that begin as a command
-    does, and of code within lines that names one of the repository's programs, or another program with what it is given."""
-    lines = list(enumerate((ROOT / path).read_text(encoding="utf-8").splitlines(), 1))
-    if path.suffix == ".1":
-        return _of_manual(lines)
-    own_files = set(files())  # builds may be there or not
-    found, block, language, indent, blank = [], [], None, 0, True  # the block that is being read
-    for number, line in lines + [(len(lines) + 1, "")]:
-        fence = re.match(r"\s*```(\w*)", line)
-        if fence and language is None:
-            language = fence[1]
-        elif fence:
-            found += _in_block(block) if language == "sh" else []
-            language, block = None, []
-        elif language is not None:
-            block.append((number, line))
-        elif line.startswith("    ") and (blank or block):
-            indent = indent if block else len(line) - len(line.lstrip())
-            block.append((number, line[indent:]))
-        else:
-            if block:
-                found += _in_block(block) if re.match(r"[a-z./(]|[A-Z_]+=", block[0][1]) else []
-                block = []
-            for span in re.findall(r"`([^`]+)`", line):
-                program, *arguments = span.split() or [""]
-                own = pathlib.Path(program) in own_files and os.access(ROOT / program, os.X_OK)
-                if own or arguments and re.fullmatch(r"sudo|c(make|test|pack)|apt(-get)?|pip|git|build[\w-]*/\S+", program):
-                    found.append((number, span))
-        blank = not line
-    return found
-
-
-def _of_manual(lines):
-    """Of a manual page, those between .EX and .EE that begin as a command does."""
-    found, block = [], None
-    for number, line in lines:
-        if line == ".EX":
-            block = []
-        elif line == ".EE":
-            found += _in_block(block) if re.match("[a-z]", block[0][1]) else []
-            block = None
-        elif block is not None:
-            block.append((number, line.replace("\\-", "-")))
-    return found
 
 
 class WithProgram(unittest.TestCase):

@@ -145,16 +145,6 @@ TEST(VertexQuery, LandmarksAreReportedByName) {
   EXPECT_TRUE(apply_edit(mesh, edit, 0.5).reports[0].landmarks.empty());
 }
 
-TEST(VertexQuery, FoldsNearLandmarksThatContradictEachOtherHaveAdvice) {
-  const TriangleMesh mesh = ball(3);
-  const Vector3 nose = position(mesh, mesh.faces(0, 0)), chin = position(mesh, mesh.faces(0, 1));
-  const EditReport report = apply_edit(mesh, edit_of(points_of({nose, chin}, {chin, nose}))).reports[0];
-  EXPECT_GT(report.folded, 0);
-  expect_contains(report.advice(), "check the targets near it, or lower the weights of landmarks that contradict");
-  const EditReport kept = apply_edit(mesh, edit_of(points_of({nose, chin}, {nose, chin}))).reports[0];
-  EXPECT_EQ(kept.advice(), "");
-}
-
 /// A ball whose vertices are none of another one's.
 TriangleMesh turned_ball(int levels) {
   return support::moved(support::rigid(33, Vector3(1, 2, 3), Vector3::Zero()), ball(levels));

@@ -23,24 +23,13 @@ EditStep lifted(double height) {
 
 /// Returns the whole mesh after an edit of one step.
 Points edited(const TriangleMesh& mesh, const EditStep& step, double fraction) {
-  Edit edit;
-  edit.steps = {step};
-  const EditResult result = apply_edit(mesh, edit, fraction);
-  Points vertices = mesh.vertices;
-  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-    vertices.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-  }
-  return vertices;
+  return support::edited(mesh, support::apply_step(mesh, step, fraction));
 }
 
 Points posed(PreparedStep& step, const TriangleMesh& mesh, double fraction) {
-  std::vector<int> numbers;
-  Points positions, vertices = mesh.vertices;
-  step.pose(fraction, numbers, positions);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    vertices.row(numbers[i]) = positions.row(static_cast<Eigen::Index>(i));
-  }
-  return vertices;
+  EditResult result;
+  step.pose(fraction, result.vertices, result.positions);
+  return support::edited(mesh, result);
 }
 
 /// Whatever was posed before.

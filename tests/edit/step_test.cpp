@@ -111,39 +111,5 @@ TEST(Step, ReportsHowFarOffIsWhatTheMeshStores) {
   }
 }
 
-/// The next drag in a region starts from the pose that the last one left. The umbrella does not see it; the
-/// cotangent operator has other values in the same pattern, and that of the surface other edges.
-TEST(Step, NextDragInARegionReusesWhatIsTheSame) {
-  struct Case {
-    EditSettings settings;
-    bool order, factor;  // of the system before
-  };
-  EditSettings cotangent = EditSettings::of(EditMethod::Paper);
-  cotangent.laplacian = LaplacianKind::Cotangent;
-  for (const Case& c :
-       {Case{EditSettings::of(EditMethod::Paper), true, true}, Case{cotangent, true, false}, Case{{}, false, false}}) {
-    Scene scene;
-    scene.step.settings = c.settings;
-    scene.step.region.kind = RegionSpec::Kind::Vertices;
-    for (int v = 0; v < scene.mesh.vertices.rows(); ++v) {
-      if ((scene.mesh.vertices.row(v) - scene.mesh.vertices.row(3030)).head<2>().norm() < 12) {
-        scene.step.region.vertices.push_back(v);
-      }
-    }
-    const auto first = scene.solver(StoredScalar::Double);
-    const Points pose = first->pose(scene.maps());
-    EXPECT_FALSE(first->report().factor_reused);
-    for (int i = 0; i < first->region().size(); ++i) {
-      scene.mesh.vertices.row(first->region().mesh_vertex[i]) = pose.row(i);
-    }
-    scene.step.region.anchors = anchors_of(first->region());
-    const auto next = scene.solver(StoredScalar::Double, first->system().get());
-    const auto fresh = scene.solver(StoredScalar::Double);
-    EXPECT_TRUE(support::same_bits(next->pose(scene.maps()), fresh->pose(scene.maps())));
-    EXPECT_EQ(next->report().factor_reused, c.factor);
-    EXPECT_EQ(next->system()->order == first->system()->order, c.order) << "of elimination";
-  }
-}
-
 }  // namespace
 }  // namespace lapedit::step_test

@@ -4,6 +4,7 @@
 // bit; undoing all gives the mesh back, redoing all the edit; the record replays from JSON with any number of threads.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -157,8 +158,8 @@ struct Player {
     session().poll();
   }
 
-  /// What a window asks for while it draws.
-  void look() {
+  /// What a window asks for while it draws. @param has_waited  so that strokes began at the known region
+  void look(bool has_waited) {
     DragSession& s = session();
     require(!s.message().empty(), "there is always a message");
     const DragFigures figures = s.figures();
@@ -172,8 +173,25 @@ struct Player {
       require(s.shown().pose().rows() == s.shown().region()->size(),
               "a pose has a position for each vertex of the region");
     }
-    require(s.selection().groups.size() <= s.mirrored_groups().size() || s.mirrored_groups().empty(),
+    const Selection& selection = s.selection();
+    require(selection.groups.size() <= s.mirrored_groups().size() || s.mirrored_groups().empty(),
             "images come behind groups");
+    require((selection.active < 0) == selection.groups.empty() &&
+                selection.active < static_cast<int>(selection.groups.size()) &&
+                selection.discs.curves.size() == selection.groups.size() &&
+                !contains(selection.along, selection.active),
+            "one group is active");
+    std::vector<int> all;
+    for (const std::vector<int>& group : selection.groups) {
+      require(!group.empty() && std::is_sorted(group.begin(), group.end()), "groups are ascending");
+      all.insert(all.end(), group.begin(), group.end());
+    }
+    std::sort(all.begin(), all.end());
+    require(std::adjacent_find(all.begin(), all.end()) == all.end(), "groups have no vertex in common");
+    require(
+        !has_waited || selection.region.kind != RegionSpec::Kind::Vertices ||
+            std::includes(selection.region.vertices.begin(), selection.region.vertices.end(), all.begin(), all.end()),
+        "groups are in the region");
   }
 
   void check() {
@@ -231,7 +249,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (waits) {
       player.settle();
     }
-    player.look();
+    player.look(waits);
     require(player.window.host().allFinite(), "what the host is given is finite");
   }
   player.check();

@@ -7,7 +7,7 @@ import unittest
 
 from tool import PANEL, TOOL, ToolTest, numbers_of, part
 from ply import write_ply
-from shapes import dome, in_reach, moved, neighbours, together, with_seam, within
+from shapes import dome, in_reach, moved, neighbours, together, within
 
 
 class Start(ToolTest):
@@ -54,37 +54,6 @@ class Start(ToolTest):
             self.assertGreaterEqual(w.ask("project")["width"], 900)
             w.set(part("group_advanced"), False)
             self.assertFalse(w.widget(part("membrane"))["visible"])
-
-    def test_layers_are_a_tab_beside_the_panel(self):
-        def is_seen(name):
-            return w.widget(name)["rectangle"][0] >= 0  # Qt moves what a tab hides out of the window
-
-        with self.open(self.mesh) as w:
-            w.resize(1280, 900)
-            free = w.ask("project")["width"]
-            w.trigger(TOOL)
-            self.assertEqual(w.ask("project")["width"], free)
-            w.x_focus()
-            title = w.widget("layerDialog")["windowTitle"]
-            for shown, hidden, tab in (("layerDialog", PANEL, title), (PANEL, "layerDialog", TOOL)):
-                self.assertFalse(is_seen(shown))
-                w.x("mousemove", *w.ask("tab", text=tab)["at"], "sleep", 0.05, "click", 1)
-                w.wait(lambda: is_seen(shown), "the tab shows nothing", 20)
-                self.assertFalse(is_seen(hidden))
-                self.assertEqual(w.tool(), (TOOL, False))
-            w.trigger(TOOL)
-            self.assertTrue(is_seen("layerDialog"))
-
-    def test_settings_buttons_and_figures_have_names_and_explain_themselves(self):
-        with self.start(self.mesh) as w:
-            named = 0
-            for widget in w.ask("widgets", inside=PANEL)["widgets"]:
-                if widget["class"] in ("NumberBox", "QSpinBox", "QSlider", "QComboBox", "QPushButton", "QToolButton",
-                                       "QProgressBar") and widget["name"] != "qt_toolbar_ext_button":
-                    self.assertRegex(widget["name"], "^laplacian_drag_")
-                    self.assertGreater(len(widget["tool_tip"]), 10, widget)
-                    named += 1
-            self.assertGreater(named, 36)
 
     def test_few_inputs_are_shown(self):
         """At most 38, 18 of them in Basic, at rest and during a motion, when Apply and Cancel replace others."""
@@ -141,26 +110,6 @@ class Features(ToolTest):
         x, y, width, height = w.widget(name)["rectangle"]
         w.x("mousemove", round(x + 8), round(y + height / 2), "sleep", 0.05, "click", 1)
         self.settle(w)
-
-    def test_region_ends_where_a_protrusion_does_and_the_wheel_leaves_the_handle(self):
-        with self.start(self.scene, disc=20) as w:
-            before = w.dump()
-            self.drag_by_x(w, self.TOP, (40, 0))
-            after = w.dump()
-            self.assertGreater(math.dist(before.triples()[self.TOP], after.triples()[self.TOP]), 0.01)
-            for v in before.moved(after):
-                self.assertLess(math.dist(before.triples()[v][:2], (0.5, 0.5)), 0.3)
-            radius = self.steps_of(w)[0]["region"]["radius"]
-            self.assertTrue(0.4 < radius < 0.75, radius)
-            self.undo(w)
-            self.assert_same(before, w.dump())
-            w.x("mousemove", *self.on_screen(w, self.TOP), "sleep", 0.2, "click", 4, "click", 4, "click", 4)
-            self.settle(w)
-            self.drag_by_x(w, self.TOP, (40, 0))
-            first, second = self.steps_in_log(w)
-            self.assertEqual(second["handle"], first["handle"])
-            self.assertGreater(second["region"], 1.2 * first["region"])
-            self.assert_replay_is_the_same(w, self.scene)
 
     def test_a_click_makes_the_sizes_automatic_again(self):
         with self.start(self.scene, disc=20) as w:
@@ -222,20 +171,6 @@ class Gesture(ToolTest):
             self.assert_finite(after)
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def test_a_seam_stays_closed(self):
-        (points, faces), seam = with_seam((self.points, self.faces), lambda x, y, z: x > y)
-        mesh = write_ply(self.folder / "seam.ply", points, faces)
-        with self.start(mesh) as w:
-            before = w.dump()
-            self.pull(w, self.CENTRE, (40, -60))
-            moved = w.dump().triples("positions")
-            self.assertGreater(math.dist(moved[self.CENTRE], before.triples("positions")[self.CENTRE]), 0.05)
-            for one, other in seam:
-                self.assertEqual(moved[one], moved[other])
-            self.assert_replay_is_the_same(w, mesh)
-            self.undo(w)
-            self.assert_same(before, w.dump())
-
     def test_drag_right_after_a_click(self):
         """Qt makes a double click of the second press."""
         with self.start(self.mesh) as w:
@@ -291,20 +226,6 @@ class Region(ToolTest):
             self.pull(w, self.CENTRE, (10, -8))
             self.assertEqual(numbers_of(self.steps_of(w)[0]["region"]["held"]),
                              [row * self.ROWS + column for row in range(10, 31) for column in range(10, 13)])
-
-    def test_grow_shrink_and_whole_component(self):
-        with self.start(self.mesh) as w:
-            w.click(*w.pixel(self.CENTRE))
-            w.set(part("group_region"), True)
-            sizes = [self.region_of_next_step(w)]
-            for button in ("grow", "grow", "shrink", "component"):
-                w.press_button(part(button))
-                sizes.append(self.region_of_next_step(w))
-            self.assertLess(sizes[0], sizes[1])
-            self.assertLess(sizes[1], sizes[2])
-            self.assertEqual(sizes[3], sizes[1])
-            self.assertEqual(sizes[4], len(self.points))
-            self.assert_replay_is_the_same(w, self.mesh)
 
 
 class Motion(ToolTest):
@@ -490,15 +411,6 @@ class Hover(ToolTest):
             time.sleep(0.6)
             w.wheel(*w.pixel(self.CENTRE), 1)
             self.assertNotEqual(w.widget(part("radius"))["value"], radius)
-
-    def test_handle_inside_the_region_does_not_enlarge_it(self):
-        with self.start(self.mesh) as w:
-            self.pull(w, self.CENTRE, (10, -8))
-            w.press_button(part("undo"))
-            w.key("G")
-            self.pull(w, self.CENTRE + 3, (10, -8))
-            first, second = self.steps_in_log(w)
-            self.assertEqual(first["region"], second["region"])
 
 
 if __name__ == "__main__":

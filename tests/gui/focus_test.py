@@ -4,7 +4,7 @@ import math
 import re
 import unittest
 
-from tool import PANEL, TOOL, ToolTest, numbers_of, part
+from tool import PANEL, TOOL, ToolTest, part
 from ply import write_ply
 from shapes import moved
 
@@ -167,15 +167,6 @@ class Keyboard(ToolTest):
             self.assertEqual(w.tool(), (TOOL, False))
             self.assertEqual(w.widget(part("radius"))["value"], radius)
 
-    def test_double_click_selects_all_of_a_number(self):
-        with self.start(self.mesh) as w:
-            w.x_focus()
-            self.click_on(w, part("radius"))
-            w.x("sleep", 0.6, "click", 1, "click", 1)  # later, or it would be a triple click
-            self.settle(w)
-            self.x_key(w, "1", "period", "2", "Return")
-            self.assertEqual(w.widget(part("radius"))["value"], 1.2)
-
     def test_keys_are_shown_by_their_key_and_button(self):
         with self.start(self.mesh) as w:
             w.x_focus()
@@ -265,52 +256,6 @@ class Line(ToolTest):
             w.wait(lambda: w.layers()[1]["current"], "the layer did not become the current one", 20)
             self.assertEqual(w.tool(), (TOOL, False))
 
-    def test_refusal_goes_when_the_mouse_goes_on(self):
-        with self.start(self.mesh) as w:
-            w.set(part("group_paint"), True)
-            w.press_button(part("from_selection"))
-            self.assertRegex(self.message(w), "select some vertices")
-            w.move(300, 300)
-            w.move(340, 320)
-            self.assertNotRegex(self.message(w), "select some vertices")
-
-    def test_modes_are_named_and_the_pivot_is_drawn(self):
-        with self.start(self.mesh, disc=20) as w:
-            x, y = w.pixel(self.CENTRE)
-            w.click(x, y)
-            w.move(3, 300)
-            self.assertNotRegex(self.message(w), "Paint|turns about")
-            plain = self.picture(w, x, y)
-            w.key("B", "B", "B")
-            self.assertRegex(self.message(w), "Paint the vertices to keep fixed")
-            w.key("B", "P", "P")
-            self.assertRegex(self.message(w), "A drag turns about the shoulder")
-            self.assert_other_picture(plain, self.picture(w, x, y), 30)
-            w.key("W")  # the old region is not what the next click is about
-            tinted = self.picture(w, x, y)
-            self.assert_other_picture(plain, tinted, 1000)
-
-    def test_dropped_motion_leaves_no_figures(self):
-        with self.start(self.mesh, disc=20) as w:
-            self.pull(w, self.CENTRE, (40, -40), release=False)
-            w.wait(lambda: re.search(r"stretch \d", w.widget(part("quality"))["text"]), "no figures", 20)
-            w.key("Backspace")
-            self.assertNotRegex(w.widget(part("quality"))["text"], r"\d")
-
-    def test_typed_angle_has_the_direction_of_the_mouse(self):
-        with self.start(self.mesh, disc=40) as w:
-            x, y = w.pixel(self.CENTRE)
-            w.click(x, y)
-            for side in (1, -1):
-                w.move(x + 60, y)
-                w.key("R")
-                w.move(x + 50, y + 30 * side)
-                turning = float(re.match(r"Turning by (-?[\d.]+)", self.message(w))[1])
-                w.key("4", "5")
-                typed = float(re.match(r"Turning by (-?[\d.]+)", self.message(w))[1])
-                self.assertEqual(typed, 45 if turning > 0 else -45)
-                w.key("Backspace")
-
 
 class Layers(ToolTest):
     def test_covered_surface_is_not_edited(self):
@@ -398,46 +343,6 @@ class Snap(ToolTest):
             for there, wanted in zip(w.dump(0).triples()[self.CENTRE], points[self.CENTRE - 3 * self.ROWS]):
                 self.assertAlmostEqual(there, wanted, delta=0.01)
             self.assert_replay_is_the_same(w, self.mesh)
-
-
-class KeepFixed(ToolTest):
-    def test_is_painted_without_a_key_shown_and_kept(self):
-        """Outside the region, too; the next region has it."""
-        with self.start(self.mesh, disc=20) as w:
-            w.set(part("radius"), 0.2)
-            held = [row * self.ROWS + 33 for row in range(18, 24)]
-            w.click(*w.pixel(self.CENTRE))
-            w.move(3, 300)
-            plain = self.picture(w, *w.pixel(held[3]), half=20)
-            w.set(part("brush_target"), "Fixed")
-            self.assertRegex(self.message(w), "Paint the vertices to keep fixed")
-            w.drag(w.pixel(held[0]), w.pixel(held[-1]), steps=12)
-            w.x_focus()
-            w.x("key", "Escape")  # ends painting, and does not suspend
-            w.wait(lambda: w.widget(part("brush_target"))["currentIndex"] == 0, "painting does not end", 20)
-            self.assertEqual(w.tool(), (TOOL, False))
-            w.move(3, 300)
-            self.assert_other_picture(plain, self.picture(w, *w.pixel(held[3]), half=20))
-            self.pull(w, self.CENTRE, (10, -20))
-            before = w.dump().triples()
-            self.pull(w, held[3] - 4, (0, -30))
-            after = w.dump().triples()
-            self.assertLess(math.dist(before[held[3]], after[held[3]]), 0.03 * math.dist(before[held[3] - 4], after[held[3] - 4]))
-            self.assertIn(held[3], numbers_of(self.steps_of(w)[1]["region"]["held"]))
-            self.assert_replay_is_the_same(w, self.mesh)
-
-    def test_click_on_the_handle_shows_the_gizmo_and_a_drag_moves_it(self):
-        with self.start(self.mesh, disc=20) as w:
-            x, y = w.pixel(self.CENTRE)
-            w.click(x, y)
-            self.assertEqual(w.widget(part("gizmo"))["currentIndex"], 0)
-            w.click(x, y)
-            self.assertEqual(w.widget(part("gizmo"))["currentIndex"], 1)
-            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (25, -20)))
-            w.key("V")
-            self.assertRegex(self.message(w), "rings are hidden")
-            w.key("C")
-            self.assertRegex(self.message(w), "make a curve")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The panel: what its widgets show and set, and the files that its dialogs suggest."""
 import json
-import re
 import unittest
 
 from tool import TOOL, ToolTest, numbers_of, part
 from ply import write_ply
-
-UNKNOWN = "\u2013"
 
 
 class Values(ToolTest):
@@ -58,24 +55,6 @@ class Values(ToolTest):
 
 
 class Statistics(ToolTest):
-    def test_what_is_not_known_is_not_told(self):
-        with self.start(self.mesh) as w:
-            def figures():
-                return {n: w.widget(part(n))["text"] for n in ("region", "times", "frame", "quality")}
-            for name, text in figures().items():
-                self.assertIn(UNKNOWN, text, name)
-                self.assertEqual(re.findall(r"\d", text), ["0"] if name == "region" else [], text)
-            self.pull(w, self.CENTRE, (30, -30))
-            for name, text in figures().items():
-                self.assertNotIn(UNKNOWN, text, name)
-                self.assertRegex(text, r"\d")
-            self.assertIn("steps: 1", figures()["region"])
-            w.key("W")
-            w.click(*w.pixel(self.CENTRE + 8 * self.ROWS))
-            # Of the region before.
-            self.assertIn(UNKNOWN, figures()["quality"])
-            self.assertRegex(figures()["times"], f"solved in {UNKNOWN} ms")
-
     def test_stretch_is_shown_where_it_is(self):
         with self.start(self.mesh, disc=20) as w:
             x, y = self.pull(w, self.CENTRE, (40, -30), release=False)

@@ -114,34 +114,8 @@ check_namespaces() {
 
 # The mirror that this machine's own release comes from.
 mirror() {
-  local codename
-  # shellcheck disable=SC1091
-  codename=$(. /etc/os-release && echo "${VERSION_CODENAME:-sid}")
-  {
-    find /etc/apt/sources.list /etc/apt/sources.list.d -name '*.list' -exec cat {} + 2>/dev/null |
-      sed -n 's/^[[:space:]]*deb[[:space:]]\{1,\}\(\[[^]]*\][[:space:]]*\)\{0,1\}//p'
-    find /etc/apt/sources.list.d -name '*.sources' -exec sh -c 'for f; do cat "$f"; echo; done' sh {} + 2>/dev/null |
-      awk '
-        function flush(  u, s, i, j) {
-          if (types ~ /(^| )deb( |$)/ && enabled !~ /no/) {
-            split(uris, u, " "); split(suites, s, " ")
-            for (i in u) for (j in s) print u[i], s[j], components
-          }
-          types = uris = suites = components = enabled = ""
-        }
-        /^#/ { next }
-        /^[[:space:]]*$/ { flush(); next }
-        { key = tolower($1) }
-        key == "types:" { $1 = ""; types = $0 }
-        key == "uris:" { $1 = ""; uris = $0 }
-        key == "suites:" { $1 = ""; suites = $0 }
-        key == "components:" { $1 = ""; components = $0 }
-        key == "enabled:" { $1 = ""; enabled = $0 }
-        END { flush() }'
-  } | awk -v codename="$codename" '
-    $2 == codename || $2 ~ /^(stable|testing|unstable|sid)$/ {
-      for (i = 3; i <= NF; ++i) if ($i == "main") { print $1; exit }
-    }'
+  # shellcheck disable=SC2016
+  apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' | awk '$2 !~ /-/ && $3 == "main" { print $1; exit }'
 }
 
 make_bare() {

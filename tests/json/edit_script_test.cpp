@@ -149,19 +149,6 @@ TEST(EditScript, WritesKeysInTheDocumentedOrder) {
   EXPECT_EQ(text.find("normal_radius"), std::string::npos) << "it has no meaning with the method default";
 }
 
-TEST(EditScript, WritesOtherRegionsAndNoUnknownMesh) {
-  Edit edit;
-  edit.steps.resize(2);
-  edit.steps[0].region.kind = RegionSpec::Kind::Vertices;
-  edit.steps[0].region.vertices = {3, 4, 5, 1};
-  edit.steps[1].region.kind = RegionSpec::Kind::Component;
-  edit.steps[0].handles = edit.steps[1].handles = {{{4}, {}}};
-  const std::string text = write_edit(edit);
-  expect_contains(text, R"("vertices": "3-5,1")");
-  expect_contains(text, R"("component": true)");
-  EXPECT_EQ(text.find("mesh"), std::string::npos);
-}
-
 TEST(EditScript, RoundTripKeepsEveryBit) {
   std::mt19937_64 random(1);
   const auto vector = [&] { return Vector3(any_double(random), any_double(random), any_double(random)); };
@@ -212,28 +199,6 @@ TEST(EditScript, RoundTripKeepsEveryBit) {
   }
 }
 
-TEST(EditScript, KeptAnchorsAreWrittenAndReadBack) {
-  Edit edit;
-  edit.steps.resize(1);
-  edit.steps[0].handles = {{{4}, {}}};
-  RegionSpec& region = edit.steps[0].region;
-  region.kind = RegionSpec::Kind::Vertices;
-  region.vertices = {3, 4, 5, 6, 7};
-  region.anchors = {{6, 7}, {0.95, 1.0 / 3}, {0.25, 1}, 1e-3 / 7};
-  region.held = {2, 5};
-  const std::string text = write_edit(edit);
-  const KeptAnchors read = read_edit(text).steps[0].region.anchors;
-  EXPECT_EQ(read_edit(text).steps[0].region.held, region.held);
-  EXPECT_EQ(read.vertices, region.anchors.vertices);
-  EXPECT_EQ(read.weights, region.anchors.weights);
-  EXPECT_EQ(read.depths, region.anchors.depths);
-  EXPECT_EQ(read.reach, region.anchors.reach);
-  std::string wrong = text;
-  const std::string list = "\"vertices\": \"3-7\"";
-  wrong.replace(wrong.find(list), list.size(), "\"radius\": 2");
-  EXPECT_THROW(read_edit(wrong), EditError);
-}
-
 /// Soft handles, a mirror plane and connected pieces; files without them do not mention them.
 TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
   Edit edit = read_edit(
@@ -257,23 +222,6 @@ TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
   for (const char* key : {"connect", "tips", "pieces", "weights", "mirror"}) {
     EXPECT_EQ(plain.find(key), std::string::npos) << plain;
   }
-}
-
-/// One point per vertex, in the order in which the vertices are written.
-TEST(EditScript, TargetsAreReadAndWrittenInPlaceOfATransform) {
-  const Edit edit = read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"component": true}, "handles": [
-      {"vertices": "9,3-4", "weights": [1, 0.5, 1], "targets": [[1, 2, 3], [0.1, -1e-300, 0], [7, 8, 9.5]]},
-      {"vertices": "1", "translation": [0, 0, 1]}]}]})");
-  const HandleGroup& group = edit.steps[0].handles[0];
-  EXPECT_EQ(group.vertices, (std::vector<int>{9, 3, 4}));
-  EXPECT_EQ(group.targets, (std::vector<Vector3>{{1, 2, 3}, {0.1, -1e-300, 0}, {7, 8, 9.5}}));
-  EXPECT_TRUE(edit.steps[0].handles[1].targets.empty());
-  const std::string text = write_edit(edit);
-  EXPECT_TRUE(same(read_edit(text), edit)) << text;
-  const std::size_t first = text.find("\"vertices\""), second = text.find("\"vertices\"", first + 1);
-  EXPECT_NE(text.substr(first, second - first).find("\"targets\""), std::string::npos);
-  EXPECT_EQ(text.substr(first, second - first).find("\"translation\""), std::string::npos) << text;
-  EXPECT_EQ(text.substr(second).find("\"targets\""), std::string::npos) << text;
 }
 
 TEST(EditScript, QueriesAreReadAndWrittenInPlaceOfVertices) {

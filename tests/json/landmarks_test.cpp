@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -71,27 +70,6 @@ TEST(Landmarks, AllFormatsAreRead) {
   EXPECT_EQ(read("0.25,-1,1e-3\n1,2,3\n", "a.csv"), (Named{{"1", {0.25, -1, 0.001}}, {"2", {1, 2, 3}}}));
 }
 
-/// 3D Slicer's table of points.
-TEST(Landmarks, HeadersOfTablesNameTheCoordinateSystem) {
-  const std::string rows = "nose & tip,0.25,-1,1e-3,1,1\nnot placed,,,,0,1\nnor this,0,0,0,false,1\nchin,1,2,3,1,1\n";
-  std::string tabs = "label,l,p,s,defined,selected\n" + rows;
-  std::replace(tabs.begin(), tabs.end(), ',', '\t');
-  const std::pair<std::string, const char*> tables[] = {{"label,r,a,s,defined,selected\n" + rows, "RAS"},
-                                                        {"Label,L,P,S,Defined,Selected\r\n" + rows, "LPS"},
-                                                        {"label,l,a,s,defined,selected\n" + rows, "LAS"},
-                                                        {"label,x,y,z,defined,selected\n" + rows, ""},
-                                                        {"label,x,a,s,defined,selected\n" + rows, ""}};
-  for (const auto& [text, system] : tables) {
-    EXPECT_EQ(read(text, "a.csv"), kBoth);
-    EXPECT_EQ(read_landmarks(text, "a.csv").system, system) << text;
-  }
-  EXPECT_EQ(read(tabs, "a.TSV"), kBoth);
-  EXPECT_EQ(read_landmarks(tabs, "a.tsv").system, "LPS");
-  EXPECT_EQ(read("nose; tip\t1\t2\t3\n", "a.tsv"), (Named{{"nose; tip", {1, 2, 3}}}));
-  EXPECT_EQ(read("a,1,2,3\ns,4,5,6\n", "a.csv"), (Named{{"a", {1, 2, 3}}, {"s", {4, 5, 6}}})) << "no header";
-  EXPECT_EQ(read("\"say \"\"a\"\", b\",1,2,3\n", "a.csv"), (Named{{"say \"a\", b", {1, 2, 3}}}));
-}
-
 std::string refusal(const std::string& text, const std::string& name) {
   return refusal_of([&] { read_landmarks(text, name); });
 }
@@ -110,14 +88,6 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("a,0,0,0\n", "a.txt"), "has no suffix of a landmark file");
   expect_contains(refusal("label,r,a,s,defined\na,0,0,0,0\n", "a.csv"), "\"a.csv\" has no landmarks");
   expect_contains(refusal("label,r,a,s,defined\na,0,0,0\n", "a.csv"), "line 2: has 4 columns, but 5 are needed");
-  for (const char* name : {"a.csv", "a.tsv", "a.fcsv", "a.pp", "a.mrk.json"}) {
-    for (const std::string& text : {std::string("\xFF\xFE"
-                                                "a\0",
-                                                4),
-                                    std::string("\xFE\xFF\0a", 4), std::string("a\0", 2), std::string("\0a", 2)}) {
-      expect_contains(refusal(text, name), std::string("\"") + name + "\" is text in UTF-16: save it in UTF-8.");
-    }
-  }
   expect_contains(refusal("", "a.pp"), "has no element PickedPoints");
   expect_contains(refusal("<PickedPoints></PickedPoints>", "a.pp"), "has no landmarks");
   expect_contains(refusal("<PickedPoints>\n<point x=\"1\" y=\"2\" name=\"a\"/>", "a.pp"),

@@ -65,18 +65,6 @@ TEST(SolverThread, PosesAreThoseOfTheStep) {
   EXPECT_NEAR(update.report->handle_displacement, Vector3(1, 2, 3).norm(), 1e-9);
 }
 
-TEST(SolverThread, ReportsWhatARegionReuses) {
-  SolverThread worker(nullptr);
-  SolverPose pose;
-  std::vector<bool> reused;
-  for (const double radius : {9.0, 9.0, 12.0}) {
-    worker.prepare(task_for(kHandle, radius));
-    worker.solve({support::shift(Vector3(1, 2, 3))}, true);
-    reused.emplace_back(all_updates(worker, pose).report->factor_reused);
-  }
-  EXPECT_EQ(reused, (std::vector<bool>{false, true, false}));
-}
-
 TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {
   SolverThread worker(nullptr);
   SolverPose pose;

@@ -47,16 +47,6 @@ TEST_P(GeodesicOn, EqualsRelaxingAllEdges) {
   }
 }
 
-TEST_P(GeodesicOn, DoesNotDependOnNumbering) {
-  const TriangleMesh mesh = GetParam()();
-  const std::vector<int> numbers = support::shuffled(static_cast<int>(mesh.vertices.rows()), 1);
-  const std::vector<double> found = distances(mesh, {2, 9});
-  const std::vector<double> renumbered = distances(support::renumbered(mesh, numbers, 2), {numbers[2], numbers[9]});
-  for (std::size_t v = 0; v < found.size(); ++v) {
-    EXPECT_EQ(found[v], renumbered[numbers[v]]) << "vertex " << v;
-  }
-}
-
 TEST_P(GeodesicOn, CutoffReachesExactlyWhatIsNotFarther) {
   const TriangleMesh mesh = GetParam()();
   const Adjacency adjacency = support::adjacency_of(mesh);
@@ -81,38 +71,6 @@ TEST_P(GeodesicOn, ListsReachedVerticesNearestFirstThenByNumber) {
   for (std::size_t k = 1; k < reached.size(); ++k) {
     const double before = search.distance(reached[k - 1]), here = search.distance(reached[k]);
     EXPECT_TRUE(before < here || (before == here && reached[k - 1] < reached[k])) << "position " << k;
-  }
-}
-
-TEST_P(GeodesicOn, FieldHasTheBitsOfTheSearch) {
-  const TriangleMesh small = GetParam()();
-  const TriangleMesh mesh = shapes::together(small, shapes::letter_field(90, 70), Vector3(0, 0, 9));
-  const int n = static_cast<int>(mesh.vertices.rows());
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  std::vector<int> many;  // enough for each thread to get some
-  std::vector<char> allowed(n, 1);
-  for (int v = 0; v < n; ++v) {
-    allowed[v] = v % 11 != 0;
-    if (v % 9 == 1) {
-      many.push_back(v);
-    }
-  }
-  GeodesicSearch search({adjacency.neighbours, mesh.vertices});
-  for (const int threads : {1, 2, 5}) {
-    ThreadPool pool(threads);
-    for (const std::vector<int>& seeds : {std::vector<int>{}, {4, 4}, {n - 1, 20}, many}) {
-      for (const std::vector<char>* only : {static_cast<std::vector<char>*>(nullptr), &allowed}) {
-        double cutoff = kUnreached;
-        for (int pass = 0; pass < 3; ++pass) {
-          const std::vector<int> reached = search.run(seeds, cutoff, only);
-          const DistanceField field({adjacency.neighbours, mesh.vertices}, seeds, cutoff, only, pool);
-          for (int v = 0; v < n; ++v) {
-            ASSERT_EQ(field[v], search.distance(v)) << "vertex " << v << ", " << threads << " threads";
-          }
-          cutoff = reached.empty() ? 0 : search.distance(reached[reached.size() / 2]);  // exactly a vertex's
-        }
-      }
-    }
   }
 }
 

@@ -156,52 +156,6 @@ class SameBits(unittest.TestCase):
         cloud = edit(points, faces, text, scans={"scan.ply": (shape, None, scan.vertices / [1, 1.2, 0.9])}).vertices
         self.assertLess(numpy.abs(cloud - fitted).max(), 0.05)
 
-    def test_landmark_files(self):
-        points, faces = grid()
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            (folder / "from.csv").write_text("a,3,3,0\nb,15,3,0\nc,3,15,0\nd,15,15,0\n")
-            (folder / "to.csv").write_text("a,3,3,1\nb,16,3,0\nc,3,15,2\nd,15,16,0\n")
-            text = {"steps": [{"region": {"component": True}, "handles": [{"landmarks": {"from": "from.csv", "to": "to.csv"}}]}]}
-            first = edit(points, faces, text, landmarks_folder=folder)
-            self.assertEqual([one["name"] for one in first.report["steps"][0]["landmarks"]], list("abcd"))
-            (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, **text}))
-            for given in (folder / "edit.json", str(folder / "edit.json")):
-                self.assertEqual(edit(points, faces, given).vertices.tobytes(), first.vertices.tobytes())
-            paths = {"steps": [{"region": {"component": True}, "handles": [
-                {"landmarks": {"from": folder / "from.csv", "to": folder / "to.csv"}}]}]}
-            self.assertEqual(edit(points, faces, paths).vertices.tobytes(), first.vertices.tobytes())
-            # As the program does with two landmark files.
-            fitted = edit(points, faces, laplacian_edit.fit_landmarks(folder / "from.csv", folder / "to.csv"))
-            write_ply(folder / "in.ply", points, faces)
-            subprocess.run([os.environ["LAPEDIT_COMMAND"], "-q", "--landmarks", folder / "from.csv", folder / "to.csv",
-                            folder / "in.ply", folder / "out.ply"], check=True)
-            data = (folder / "out.ply").read_bytes()
-            start = data.index(b"end_header\n") + len(b"end_header\n")
-            self.assertEqual(fitted.vertices.tobytes(), data[start:start + points.nbytes])
-            # In an editor, for other targets.
-            editor = Editor(points, faces, text["steps"][0], landmarks_folder=folder)
-            self.assertEqual(editor.pose().tobytes(), first.vertices.tobytes())
-            group = editor.landmarks("from.csv", "to.csv")
-            self.assertEqual(group["targets"][2].tolist(), [3, 15, 2])
-            self.assertEqual(editor.pose(group).tobytes(), first.vertices.tobytes())
-            group["targets"][0] = [3, 3, -1]
-            self.assertLess(editor.pose([group])[3 * 21 + 3, 2], -0.9)
-            with self.assertRaisesRegex(EditRefused, "nowhere.csv"):
-                laplacian_edit.fit_landmarks(folder / "nowhere.csv", folder / "to.csv")
-            # The same in the other coordinate system, whose x and y have opposite signs.
-            (folder / "ras.csv").write_text("label,r,a,s\na,-3,-3,0\nb,-15,-3,0\nc,-3,-15,0\nd,-15,-15,0\n")
-            (folder / "ras-to.csv").write_text("label,r,a,s\na,-3,-3,1\nb,-16,-3,0\nc,-3,-15,2\nd,-15,-16,0\n")
-            text["steps"][0]["handles"] = [{"landmarks": {"from": "ras.csv", "to": "ras-to.csv"}}]
-            for space in ("LPS", "lps"):
-                again = edit(points, faces, text, landmarks_folder=folder, space=space)
-                self.assertEqual(again.vertices.tobytes(), first.vertices.tobytes())
-            for given in (text, {"steps": [PULL]}):
-                with self.assertRaisesRegex(EditRefused, 'space: .xyz. is no coordinate system'):
-                    edit(points, faces, given, landmarks_folder=folder, space="xyz")
-            with self.assertRaisesRegex(EditRefused, "RAS|LPS|far"):
-                edit(points, faces, text, landmarks_folder=folder)
-
 
 class Forms(unittest.TestCase):
     NUMBERS = [219, 220, 221]

@@ -3,7 +3,7 @@
 # Measures the shape of edits and compares it with CGAL's ARAP and SR-ARAP, Blender and libigl, in one run: a Markdown table,
 # all figures as JSON, and one picture for each edit with the methods side by side.
 #
-# usage: quality.sh [OPTION of quality_bench]...   for example --quick, --edits limb_90,bunny_group, or
+# usage: quality.sh [OPTION of quality_bench]...   for example --edits limb_90,bunny_group, or
 #                                                  --ours NAME=laplacian=cotangent,iterations=3
 # QUALITY_OUTPUT: folder of quality.md, quality.json and the pictures; build/quality/result by default.
 # LIBIGL_INCLUDE_DIR: folder of libigl's headers. Debian has no package of it, but MeshLab's source in Debian 13 carries
@@ -70,6 +70,7 @@ commit=$(git rev-parse --short HEAD 2>/dev/null || echo unknown)
   echo "Commit $commit, $(c++ --version | sed -n 1p), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | sed -n 1p), $(nproc) cores."
   echo
   "$build/tests/bench/quality_bench" --json "$output/quality.json" --out "$output/meshes" "$@"
+  tests/bench/quality_page.py "$output/quality.json"
 } >"$output/quality.md"
 echo "$output/quality.md"
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Times region and drag against CGAL, Blender and CHOLMOD in one run, and prints Markdown tables.
+# Times region and drag against CGAL and CHOLMOD in one run, and prints Markdown tables.
 #
 # usage: speed.sh [--quick] [SIZE...]   sizes: region vertices. --quick: regions up to 12,774 vertices and few rounds
 # Ends with 1 if a result is outside its bound.
@@ -15,7 +15,7 @@ cd "$(dirname "$0")/../.."
 build=$PWD/build/speed
 
 missing=
-for package in g++ cmake make libeigen3-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libcgal-dev blender; do
+for package in g++ cmake make libeigen3-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libcgal-dev; do
   # shellcheck disable=SC2016
   status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$status" = installed ] || missing="$missing $package"

@@ -8,12 +8,13 @@
 #include "drag_support.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "play.h"
 
 // Choosing what moves and what holds: discs, the brush, anchors, pieces that nothing holds.
 namespace lapedit::drag_choosing_test {
 namespace {
 
-using support::same_bits;
+using support::play;
 using support::Window;
 using State = DragSession::State;
 
@@ -134,139 +135,38 @@ TEST(DragDisc, NothingIsRefusedForASmallRegion) {
 // --- The brush ------------------------------------------------------------------------------------------------------
 
 TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
-  Window window(shapes::grid(60, 60));
-  window.session.set(&Tools::paint, BrushTarget::Handle);
-  stroke(window, at(30, 25), at(30, 35), kAdd);
-  ASSERT_EQ(window.session.selection().groups.size(), 1U);
-  const std::vector<int> painted = window.session.selection().groups[0];
-  EXPECT_TRUE(has(painted, at(30, 25)) && has(painted, at(30, 30)) && has(painted, at(30, 35)));
-  EXPECT_TRUE(window.session.preparation().ready);
-  stroke(window, at(30, 34), at(30, 36), kTake);
-  EXPECT_TRUE(has(window.session.selection().groups.at(0), at(30, 25)));
-  EXPECT_FALSE(has(window.session.selection().groups.at(0), at(30, 35)));
-  window.session.set(&Tools::paint, std::nullopt);
-  window.drag(at(30, 25), Vector2(30, 20));
-  EXPECT_EQ(window.session.recorded().steps.size(), 1U);
-  window.expect_consistent();
-  // Nothing of it left: no handle, and no harm.
-  window.session.set(&Tools::paint, BrushTarget::Handle);
-  window.change([](DragSettings& s) { s.brush_pixels = 400; });
-  stroke(window, at(30, 28), at(30, 30), kTake);
-  EXPECT_TRUE(window.session.selection().groups.empty());
-  EXPECT_EQ(window.session.state(), State::Idle);
+  play(
+      "paint handle; stroke 30,25 30,35 add; count 1; painted 30,25 30,30 30,35; ready; stroke 30,34 30,36 take; "
+      "painted 30,25; unpainted 30,35; paint off; drag 30,25 30 20; steps 1; consistent; paint handle; set brush 400; "
+      "stroke 30,28 30,30 take; groups none; state idle",
+      shapes::grid(60, 60));
 }
 
-/// Until they are taken away.
 TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
-  Window window(shapes::grid(60, 60));
-  window.change([](DragSettings& s) {
-    s.radius = 12;
-    s.brush_pixels = 12;
-  });
-  const auto is_fixed = [&window] { return class_of(window.session, at(34, 30)) == VertexClass::Anchor; };
-  window.session.set(&Tools::paint, BrushTarget::Anchors);
-  stroke(window, at(34, 26), at(34, 34), {});  // before there is a region, no modifier held
-  EXPECT_TRUE(has(window.session.selection().held, at(34, 30)));
-  window.session.set(&Tools::paint, std::nullopt);
-  window.click(kMiddle);
-  EXPECT_TRUE(is_fixed());
-  stroke(window, at(30, 40), at(30, 48), kAdd);  // a larger region
-  EXPECT_TRUE(is_fixed());
-  window.session.set_anchors({at(26, 30)});
-  window.session.wait();
-  stroke(window, at(24, 24), at(24, 20), kAdd);
-  EXPECT_TRUE(is_fixed());
-  EXPECT_EQ(class_of(window.session, at(26, 30)), VertexClass::Anchor) << "from a selection";
-  window.session.key(DragKey::NewRegion);
-  window.click(at(28, 30));
-  EXPECT_TRUE(is_fixed());
-  const Points before = window.host();
-  window.drag(at(28, 30), Vector2(0, 40));
-  const double held = (window.host().row(at(34, 30)) - before.row(at(34, 30))).norm();
-  const double free = (window.host().row(at(23, 30)) - before.row(at(23, 30))).norm();
-  EXPECT_LT(held, 0.1 * free);
-  window.expect_consistent();
-  window.session.whole_component();
-  window.session.wait();
-  EXPECT_TRUE(is_fixed());
-  window.session.set(&Tools::paint, BrushTarget::Anchors);
-  stroke(window, at(34, 24), at(34, 36), kTake);
-  EXPECT_FALSE(has(window.session.selection().held, at(34, 30)));
-  EXPECT_FALSE(is_fixed());
+  play(
+      "set radius 12 brush 12; paint anchors; stroke 34,26 34,34; held 34,30; paint off; click 30,30; anchor 34,30; "
+      "stroke 30,40 30,48 add; anchor 34,30; anchors 26,30; stroke 24,24 24,20 add; anchor 34,30; anchor 26,30; keys "
+      "w; click 28,30; anchor 34,30; drag 28,30 0 40; rests 34,30 23,30 0.1; consistent; whole; anchor 34,30; paint "
+      "anchors; stroke 34,24 34,36 take; unheld 34,30; anchor 34,30 not",
+      shapes::grid(60, 60));
 }
 
 TEST(DragBrush, AnchorsPaintedOutsideTheRegionHoldInTheNextOne) {
-  Window window(shapes::grid(60, 60));
-  window.change([](DragSettings& s) {
-    s.radius = 12;
-    s.brush_pixels = 12;
-  });
-  window.click(at(15, 30));
-  const std::vector<int> region = window.region();
-  ASSERT_FALSE(has(region, at(44, 30)));
-  window.session.set(&Tools::paint, BrushTarget::Anchors);
-  stroke(window, at(44, 26), at(44, 34), kAdd);
-  EXPECT_TRUE(has(window.session.selection().held, at(44, 30)));
-  EXPECT_EQ(window.region(), region);
-  window.session.set(&Tools::paint, std::nullopt);
-  window.drag(at(15, 30), Vector2(0, 40));
-  ASSERT_EQ(window.session.figures().steps, 1);
-  EXPECT_TRUE(has(window.session.selection().held, at(44, 30)));
-  const Points before = window.host();
-  window.drag(at(40, 30), Vector2(0, 40));
-  ASSERT_EQ(window.session.figures().steps, 2);
-  const double held = (window.host().row(at(44, 30)) - before.row(at(44, 30))).norm();
-  const double free = (window.host().row(at(36, 30)) - before.row(at(36, 30))).norm();
-  EXPECT_LT(held, 0.1 * free);
-  window.expect_consistent();
-  for (int k = 0; k < 3; ++k) {
-    window.session.undo();
-    EXPECT_EQ(has(window.session.selection().held, at(44, 30)), k < 2) << "the stroke is the first action";
-  }
+  play(
+      "set radius 12 brush 12; click 15,30; keep a; out 44,30; paint anchors; stroke 44,26 44,34 add; held 44,30; same "
+      "region a; paint off; drag 15,30 0 40; steps 1; held 44,30; drag 40,30 0 40; steps 2; rests 44,30 36,30 0.1; "
+      "consistent; undo; held 44,30; undo; held 44,30; undo; unheld 44,30",
+      shapes::grid(60, 60));
 }
 
 TEST(DragBrush, StrokesAndStepsAreUndoneInTheOrderThatTheyWereDone) {
-  Window window(shapes::grid(60, 60));
-  window.change([](DragSettings& s) { s.radius = 8; });
-  window.click(kMiddle);
-  const auto handle = window.session.selection().groups;
-  const std::vector<int> region = window.region();
-  stroke(window, at(30, 36), at(30, 48), kAdd);
-  const std::vector<int> larger = window.region();
-  EXPECT_GT(larger.size(), region.size());
-  window.session.set(&Tools::paint, BrushTarget::Handle);
-  stroke(window, at(30, 36), at(30, 40), kAdd);
-  window.session.set(&Tools::paint, std::nullopt);
-  const auto painted = window.session.selection().groups;
-  EXPECT_NE(painted, handle);
-  window.drag(kMiddle, Vector2(20, 0));
-  const Points first = window.host();
-  window.change([](DragSettings& s) { s.edit.membrane = 50; });
-  const Points again = window.host();
-  EXPECT_FALSE(same_bits(again, first));
-  stroke(window, at(36, 30), at(48, 30), kAdd);
-  EXPECT_EQ(window.session.timeline().done().size(), 4U);
-  window.undo();
-  EXPECT_TRUE(same_bits(window.host(), again));
-  EXPECT_EQ(window.region(), larger);
-  window.undo();
-  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
-  EXPECT_EQ(window.session.selection().groups, painted);
-  window.undo();
-  EXPECT_EQ(window.session.selection().groups, handle);
-  EXPECT_EQ(window.region(), larger) << "the first stroke is not undone yet";
-  window.undo();
-  EXPECT_EQ(window.region(), region);
-  EXPECT_FALSE(window.session.can_undo());
-  window.redo();
-  EXPECT_EQ(window.region(), larger);
-  window.redo(2);
-  EXPECT_TRUE(same_bits(window.host(), again));
-  EXPECT_EQ(window.session.settings().edit.membrane, 50) << "settings are not undone";
-  window.redo();
-  EXPECT_GT(window.region().size(), larger.size());
-  EXPECT_FALSE(window.session.can_redo());
-  window.expect_consistent();
+  play(
+      "set radius 8; click 30,30; keep a; stroke 30,36 30,48 add; more region a; keep b; paint handle; stroke 30,36 "
+      "30,40 add; paint off; other groups a; keep c; drag 30,30 20 0; keep first; set membrane 50; other pose first; "
+      "keep again; stroke 36,30 48,30 add; actions 4; undo; same pose again; same region b; undo; same pose rest; same "
+      "groups c; undo; same groups a; same region b; undo; same region a; cannot undo; redo; same region b; redo 2; "
+      "same pose again; redo; more region b; cannot redo",
+      shapes::grid(60, 60));
 }
 
 TEST(DragGizmo, AppearsByAClickUntilAnotherHandleIsPickedAndLeavesOtherHandlesAlone) {
@@ -303,54 +203,25 @@ TEST(DragGizmo, AppearsByAClickUntilAnotherHandleIsPickedAndLeavesOtherHandlesAl
 }
 
 TEST(DragBrush, AnchorsComeFromASelection) {
-  Window window(shapes::grid(60, 60));
-  window.change([](DragSettings& s) { s.radius = 12; });
-  window.session.set_anchors({});
-  EXPECT_TRUE(window.says("no region"));
-  window.session.set_anchors({at(3, 3)});
-  EXPECT_EQ(window.session.selection().held, (std::vector<int>{at(3, 3)})) << "for later regions";
-  window.click(kMiddle);
-  window.session.set_anchors({at(33, 30), at(33, 31), at(2, 2), kMiddle});
-  window.session.wait();
-  EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
-  EXPECT_EQ(class_of(window.session, at(33, 31)), VertexClass::Anchor);
-  EXPECT_EQ(class_of(window.session, kMiddle), VertexClass::Handle);
-  EXPECT_TRUE(has(window.session.selection().held, at(2, 2)));  // outside the region: for a later one
-  window.session.set_anchors({at(2, 2)});
-  EXPECT_TRUE(window.says("None of these vertices"));
-  EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
+  play(
+      "set radius 12; anchors none; says 'no region'; anchors 3,3; held 3,3; click 30,30; anchors 33,30 33,31 2,2 "
+      "30,30; anchor 33,30; anchor 33,31; anchor 30,30 not; held 2,2; anchors 2,2; says 'None of these vertices'; "
+      "anchor 33,30",
+      shapes::grid(60, 60));
 }
 
 TEST(DragBrush, AnchorsOfARegionWithoutAHandleHoldOnceThereIsOne) {
-  Window window(shapes::grid(60, 60));
-  std::vector<int> region;
-  for (int i = 20; i <= 40; ++i) {
-    for (int j = 20; j <= 40; ++j) {
-      region.push_back(at(i, j));
-    }
-  }
-  window.session.set_region(region);
-  window.session.wait();
-  window.session.set_anchors({});
-  EXPECT_TRUE(window.says("There is no handle yet"));
-  window.session.set_anchors({at(33, 30)});
-  EXPECT_FALSE(window.says("There is"));
-  window.click(kMiddle);
-  EXPECT_EQ(class_of(window.session, at(33, 30)), VertexClass::Anchor);
+  play(
+      "region 20,20 40,40; anchors none; says 'There is no handle yet'; anchors 33,30; silent 'There is'; click 30,30; "
+      "anchor 33,30",
+      shapes::grid(60, 60));
 }
 
 TEST(DragBrush, WhatIsNotConnectedIsKeptAndSaid) {
-  Window window(shapes::grid(60, 60));
-  window.change([](DragSettings& s) { s.radius = 6; });
-  window.click(kMiddle);
-  stroke(window, at(30, 50), at(30, 53), kAdd);
-  ASSERT_FALSE(window.session.unconnected().empty());
-  EXPECT_TRUE(has(window.session.unconnected(), at(30, 51)));
-  EXPECT_FALSE(has(window.region(), at(30, 51)));
-  EXPECT_TRUE(window.says("not connected"));
-  stroke(window, at(30, 34), at(30, 52), kAdd);
-  EXPECT_TRUE(window.session.unconnected().empty());
-  EXPECT_TRUE(has(window.region(), at(30, 51)));
+  play(
+      "set radius 6; click 30,30; stroke 30,50 30,53 add; loose 30,51; out 30,51; says 'not connected'; stroke 30,34 "
+      "30,52 add; loose none; in 30,51",
+      shapes::grid(60, 60));
 }
 
 // --- Nothing holds --------------------------------------------------------------------------------------------------
@@ -375,18 +246,11 @@ TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
 // --- Keys -----------------------------------------------------------------------------------------------------------
 
 TEST(DragKeys, AmountsWithoutAMotionDoNothingButSaySo) {
-  Window window(shapes::grid(60, 60));
-  window.click(kMiddle);
-  for (const char* keys : {"x", "6", "0", "-", ".", "n", "y", "z"}) {
-    window.keys(keys);
-    EXPECT_EQ(window.session.motion(), nullptr) << keys;
-    EXPECT_TRUE(window.says("Nothing is being moved")) << keys;
-  }
-  window.keys("x60\r");
-  EXPECT_EQ(window.session.figures().steps, 0);
-  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
-  window.keys("tx6\r");
-  EXPECT_EQ(window.session.figures().steps, 1);
+  play(
+      "click 30,30; keys x; says 'Nothing is being moved'; state picked; keys 6; says 'Nothing is being moved'; keys "
+      "n; says 'Nothing is being moved'; keys .; says 'Nothing is being moved'; keys x60; enter; steps 0; same pose "
+      "rest; keys tx6; enter; steps 1",
+      shapes::grid(60, 60));
 }
 
 // --- Gizmo and pivot ------------------------------------------------------------------------------------------------
@@ -526,50 +390,11 @@ TEST(DragKeys, ControlGoesInSteps) {
 // --- Symmetry, soft handles, near pieces -----------------------------------------------------------------------------
 
 TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
-  Window window(shapes::icosphere(4));
-  as_found(window);
-  window.change([](DragSettings& s) { s.radius = 0.7; });
-  const Points before = window.host();
-  int ear = 0;
-  (before.col(0) - before.col(2).cwiseAbs()).maxCoeff(&ear);  // at the right, in front of the viewer's middle height
-  window.session.set(&Tools::mirror, MirrorPlane{Vector3::Zero(), Vector3::UnitX()});
-  ASSERT_TRUE(window.session.tools().mirror);
-  const Vector3 position = before.row(ear).transpose();
-  int seen = 0;
-  (before.rowwise() - (position + Vector3(-0.15, 0, 0.3)).transpose()).rowwise().norm().minCoeff(&seen);
-  window.click(seen);
-  ASSERT_EQ(window.session.selection().groups.size(), 1U);
-  ASSERT_EQ(window.session.mirrored_groups().size(), 2U);
-  window.drag(seen, Vector2(40, 30));
-  ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
-  const EditStep step = window.session.recorded().steps[0];
-  EXPECT_TRUE(step.mirror);
-  EXPECT_EQ(step.handles.size(), 1U);
-  window.expect_consistent();
-  // The sphere is symmetric, and stays it.
-  double off = 0, moved = 0;
-  for (int v = 0; v < before.rows(); ++v) {
-    int twin = 0;
-    const Eigen::RowVector3d image(-before(v, 0), before(v, 1), before(v, 2));
-    (before.rowwise() - image).rowwise().norm().minCoeff(&twin);
-    const Eigen::RowVector3d way = window.host().row(v) - before.row(v),
-                             way_of_twin = window.host().row(twin) - before.row(twin);
-    off = std::max(off, (Eigen::RowVector3d(-way.x(), way.y(), way.z()) - way_of_twin).norm());
-    moved = std::max(moved, way.norm());
-  }
-  EXPECT_GT(moved, 0.1);
-  EXPECT_LT(off, 1e-5 * moved + 1e-6);
-  // Solved again with other settings, undone and done again.
-  window.change([](DragSettings& s) { s.edit.membrane = 100; });
-  window.expect_consistent();
-  window.undo();
-  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
-  window.redo();
-  EXPECT_TRUE(window.session.tools().mirror);
-  window.expect_consistent();
-  window.session.set(&Tools::mirror, std::nullopt);
-  window.session.wait();
-  EXPECT_EQ(window.session.mirrored_groups().size(), 1U);
+  play(
+      "set radius 6 disc 0.3; mirror 29.5; click 15,30; count 1; drag 15,30 10 30; steps 1; images 15,30 44,30; images "
+      "16,31 43,31; consistent; set membrane 100; consistent; undo; same pose rest; redo; images 15,30 44,30; "
+      "consistent; unmirror; drag 15,30 0 10; steps 2",
+      shapes::grid(60, 60));
 }
 
 TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
@@ -686,21 +511,10 @@ TEST(DragMirror, AsymmetricMeshIsSaid) {
 }
 
 TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
-  Window window(shapes::grid(60, 60));
-  window.session.set(&Tools::mirror, MirrorPlane{Vector3(1000, 0, 0), Vector3::UnitX()});
-  window.click(kMiddle);
-  EXPECT_FALSE(window.session.preparation().ready);
-  EXPECT_TRUE(window.says("mirror")) << window.session.message();
-  // A drag does not wait for what never comes.
-  window.drag(kMiddle, Vector2(20, 10));
-  EXPECT_EQ(window.session.state(), State::Picked);
-  EXPECT_FALSE(window.session.busy());
-  EXPECT_TRUE(window.says("mirror")) << window.session.message();
-  window.keys("tx5\r");
-  EXPECT_EQ(window.session.figures().steps, 0);
-  window.session.set(&Tools::mirror, std::nullopt);
-  window.session.wait();
-  EXPECT_TRUE(window.session.preparation().ready);
+  play(
+      "mirror 1000; click 30,30; unready; says mirror; drag 30,30 20 10; state picked; unready; says mirror; keys tx5; "
+      "enter; steps 0; unmirror; ready",
+      shapes::grid(60, 60));
 }
 
 TEST(DragSoft, WeightsFallOffAndAreRecorded) {

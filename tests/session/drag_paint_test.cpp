@@ -6,11 +6,13 @@
 
 #include "drag_support.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "play.h"
 
 // What is painted as a whole, the lasso, curves of the handle's fall-off, and drags about a pivot.
 namespace lapedit::drag_paint_test {
 namespace {
 
+using support::play;
 using support::Window;
 
 constexpr PressModifiers kAdd{true, false}, kShift{false, true};
@@ -25,15 +27,6 @@ bool has(const std::vector<int>& set, int vertex) {
   return std::binary_search(set.begin(), set.end(), vertex);
 }
 
-void stroke(Window& window, int from, int to, PressModifiers modifiers = {}) {
-  window.press(from, modifiers);
-  for (const double fraction : {0.25, 0.5, 0.75, 1.0}) {
-    window.session.move(window.at((1 - fraction) * window.at(from).pixel + fraction * window.at(to).pixel));
-  }
-  window.session.release(window.at(to));
-  window.session.wait();
-}
-
 Window& with_brush(Window& window) {
   window.change([](DragSettings& s) {
     s.radius = 12;
@@ -43,26 +36,11 @@ Window& with_brush(Window& window) {
 }
 
 TEST(DragPaint, EachTargetIsPaintedWithoutAKey) {
-  Window window(shapes::grid(60, 60));
-  with_brush(window);
-  window.session.set(&Tools::paint, BrushTarget::Region);
-  EXPECT_TRUE(window.says("Paint the region"));
-  stroke(window, at(20, 30), at(40, 30));
-  EXPECT_TRUE(has(window.session.selection().region.vertices, kMiddle));
-  EXPECT_TRUE(window.session.selection().groups.empty());
-  window.session.key(DragKey::Brush);
-  EXPECT_TRUE(window.says("Paint the handle"));
-  stroke(window, at(30, 30), at(31, 30));
-  ASSERT_EQ(window.session.selection().groups.size(), 1U);
-  EXPECT_TRUE(has(window.session.selection().groups[0], kMiddle));
-  window.session.key(DragKey::Brush);
-  stroke(window, at(22, 30), at(23, 30));
-  EXPECT_TRUE(has(window.session.selection().held, at(22, 30)));
-  window.session.key(DragKey::Brush);
-  EXPECT_FALSE(window.session.tools().paint);
-  window.drag(kMiddle, Vector2(0, 20));
-  EXPECT_EQ(window.session.figures().steps, 1);
-  window.expect_consistent();
+  play(
+      "set radius 12 brush 12; paint region; says 'Paint the region'; stroke 20,30 40,30; in 30,30; groups none; keys "
+      "b; says 'Paint the handle'; stroke 30,30 31,30; count 1; painted 30,30; keys b; stroke 22,30 23,30; held 22,30; "
+      "keys b; silent Paint; drag 30,30 0 20; steps 1",
+      shapes::grid(60, 60));
 }
 
 /// Presses and goes to two further vertices with a single move each.
@@ -128,74 +106,30 @@ TEST(DragPaint, MovesThatWaitForAStepArePaintedToo) {
 }
 
 TEST(DragPaint, InvertBlurAndClearChangeTheTargetAndAreUndone) {
-  Window window(shapes::grid(60, 60));
-  with_brush(window);
-  window.session.set(&Tools::paint, BrushTarget::Anchors);
-  stroke(window, at(20, 30), at(40, 30));
-  const std::vector<int> painted = window.session.selection().held;
-  ASSERT_GT(painted.size(), 20U);
-  window.session.change_painted(PaintChange::Invert);
-  const std::vector<int> others = window.session.selection().held;
-  EXPECT_EQ(others.size(), 3600 - painted.size());
-  EXPECT_FALSE(has(others, kMiddle));
-  window.session.change_painted(PaintChange::Clear);
-  EXPECT_TRUE(window.session.selection().held.empty());
-  window.session.change_painted(PaintChange::Clear);
-  EXPECT_TRUE(window.says("Nothing is painted"));
-  window.undo();
-  EXPECT_EQ(window.session.selection().held, others);
-  window.undo();
-  EXPECT_EQ(window.session.selection().held, painted);
-  // A single vertex, and a notch, are not smooth.
-  window.session.set_anchors({at(5, 5)});
-  const std::vector<int> with_speck = window.session.selection().held;
-  ASSERT_TRUE(has(with_speck, at(5, 5)));
-  window.session.change_painted(PaintChange::Blur);
-  EXPECT_FALSE(has(window.session.selection().held, at(5, 5)));
-  EXPECT_TRUE(has(window.session.selection().held, kMiddle));
-  window.undo();
-  EXPECT_EQ(window.session.selection().held, with_speck);
+  play(
+      "set radius 12 brush 12; paint anchors; stroke 20,30 40,30; keep a; change invert; keep b; unheld 30,30 "
+      "20..40,30; held 5,5 30,40; change clear; unheld 30,40; change clear; says 'Nothing is painted'; undo; same held "
+      "b; undo; same held a; anchors 5,5; keep c; held 5,5; change blur; unheld 5,5; held 30,30; undo; same held c",
+      shapes::grid(60, 60));
 }
 
 TEST(DragPaint, VerticesThatTheMeshLacksAreRefused) {
-  Window window(shapes::grid(60, 60));
-  window.session.set_anchors({kMiddle, 3600});
-  EXPECT_TRUE(window.says("The mesh has 3600 vertices")) << window.session.message();
-  window.session.set_handle({-1, kMiddle});
-  EXPECT_TRUE(window.says("The mesh has 3600 vertices")) << window.session.message();
-  EXPECT_TRUE(window.session.selection().held.empty());
-  EXPECT_TRUE(window.session.selection().groups.empty());
+  play(
+      "keep a; anchors 30,30 60,0; says 'The mesh has 3600 vertices'; handle 0,-1 30,30; says 'The mesh has 3600 "
+      "vertices'; same held a; groups none",
+      shapes::grid(60, 60));
 }
 
 TEST(DragPaint, HandleThatIsNotThereIsNotInverted) {
-  Window window(shapes::grid(60, 60));
-  window.session.set(&Tools::paint, BrushTarget::Handle);
-  window.session.change_painted(PaintChange::Invert);
-  EXPECT_TRUE(window.says("Nothing is painted")) << window.session.message();
-  window.expect_consistent();
+  play("paint handle; change invert; says 'Nothing is painted'", shapes::grid(60, 60));
 }
 
 TEST(DragPaint, InvertedHandleStaysInItsRegion) {
-  Window window(shapes::grid(60, 60));
-  with_brush(window);
-  window.change([](DragSettings& s) { s.handle_fraction = 0.3; });
-  window.click(kMiddle);
-  const std::vector<int> region = window.region(), handle = window.session.selection().groups.at(0);
-  window.session.set(&Tools::paint, BrushTarget::Handle);
-  window.session.change_painted(PaintChange::Invert);
-  window.session.wait();
-  EXPECT_EQ(window.session.selection().groups.at(0).size(), region.size() - handle.size());
-  window.session.change_painted(PaintChange::Clear);
-  window.session.wait();
-  EXPECT_TRUE(window.session.selection().groups.empty());
-  EXPECT_EQ(window.region(), region);
-  window.session.set_handle({kMiddle, at(30, 31)});
-  window.session.wait();
-  EXPECT_EQ(window.session.selection().groups.at(0), (std::vector<int>{kMiddle, at(30, 31)}));
-  window.session.set(&Tools::paint, BrushTarget::Region);
-  window.session.change_painted(PaintChange::Clear);
-  window.session.wait();
-  EXPECT_FALSE(window.session.selection().has_region);
+  play(
+      "set radius 12 disc 0.3; click 30,30; keep a; paint handle; change invert; unpainted 30,30 30,32; painted 30,36; "
+      "change clear; groups none; same region a; handle 30,30 30,31; groups 30,30 30,31; paint region; change clear; "
+      "state idle",
+      shapes::grid(60, 60));
 }
 
 TEST(DragFalloff, CurvesAreOfTheSameEndsAndOrdered) {

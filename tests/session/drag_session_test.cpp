@@ -6,14 +6,15 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <random>
 #include <thread>
 
 #include "drag_support.h"
+#include "play.h"
 
 namespace lapedit::drag_session_test {
 namespace {
 
+using support::play;
 using support::same_bits;
 using support::Window;
 using State = DragSession::State;
@@ -88,12 +89,7 @@ TEST(DragSession, EachMoveShowsAPassingPoseOfTheNewestCursor) {
 }
 
 TEST(DragSession, HandleIsTakenHoldOfByItsMarkThoughAFoldHidesIt) {
-  Window window(hills());
-  window.change([](DragSettings& s) { s.radius = 6; });
-  window.drag(kMiddle, Vector2(30, 10));  // sideways: the sheet folds over
-  window.drag(kMiddle, Vector2(10, 30));
-  EXPECT_EQ(window.session.recorded().steps.size(), 2U);
-  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{kMiddle}});
+  play("set radius 6; drag 30,30 30 10; drag 30,30 10 30; steps 2; groups 30,30", hills());
 }
 
 TEST(DragSession, PressJustBesideTheEdgeMeansTheEdge) {
@@ -119,15 +115,8 @@ TEST(DragSession, HandleOnTheFarSideIsNotInTheWay) {
 }
 
 TEST(DragSession, ClickShowsTheRegionAndMovesNothing) {
-  Window window(hills());
-  window.click(kMiddle);
-  EXPECT_EQ(window.session.state(), State::Picked);
-  ASSERT_NE(window.session.shown().region(), nullptr);
-  EXPECT_EQ(window.session.shown().region()->count(VertexClass::Handle), 1);
-  EXPECT_GT(window.session.shown().region()->count(VertexClass::Anchor), 0);
-  EXPECT_EQ(window.poses(), 0);
-  EXPECT_TRUE(window.log.empty());
-  EXPECT_FALSE(window.session.can_undo());
+  play("click 30,30; state picked; groups 30,30; in 30,30 31,30; ready; same pose rest; logged 0; cannot undo",
+       hills());
 }
 
 TEST(DragSession, ClickBesideTheMeshSaysSoAndDoesNothing) {
@@ -151,50 +140,19 @@ TEST(DragSession, RefusesAMeshWithoutFaces) {
 // --- Dropping -------------------------------------------------------------------------------------------------------
 
 TEST(DragSession, CancelledDragLeavesEveryBit) {
-  Window window(hills());
-  window.click(kMiddle);
-  window.press(kMiddle);
-  window.session.move(window.at(kMiddle, Vector2(50, 20)));
-  window.session.wait();
-  EXPECT_FALSE(same_bits(window.host(), window.session.original().vertices));
-  window.keys("\b");
-  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
-  EXPECT_TRUE(window.settled());
-  window.session.release(window.at(kMiddle));
-  window.session.wait();
-  EXPECT_EQ(window.session.recorded().steps.size(), 0U);
-  window.drag(kMiddle, Vector2(10, 0));  // the region is still ready
-  window.expect_consistent();
+  play(
+      "click 30,30; press 30,30; move 30,30 50 20; wait; other pose rest; cancel; same pose rest; settled; release "
+      "30,30; wait; steps 0; drag 30,30 10 0; steps 1",
+      hills());
 }
 
 TEST(DragSession, ReleasedStepCanBeDroppedUntilItIsThere) {
-  Window window(hills());
-  window.press(kMiddle);
-  window.session.move(window.at(kMiddle, Vector2(50, 20)));
-  window.session.release(window.at(kMiddle, Vector2(50, 20)));
-  window.session.cancel();
-  window.session.wait();
-  EXPECT_EQ(window.session.recorded().steps.size(), 0U);
-  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
+  play("press 30,30; move 30,30 50 20; release 30,30 50 20; state settling; cancel; steps 0; same pose rest", hills());
 }
 
 TEST(DragSession, FinishAppliesWhatWasReleasedAndDropsWhatIsHeld) {
-  Window released(hills());
-  released.press(kMiddle);
-  released.session.move(released.at(kMiddle, Vector2(50, 20)));
-  released.session.release(released.at(kMiddle, Vector2(50, 20)));
-  EXPECT_TRUE(released.session.finish(std::chrono::hours(1)));
-  EXPECT_EQ(released.session.recorded().steps.size(), 1U);
-  released.expect_consistent();
-
-  Window held(hills());
-  held.click(kMiddle);
-  held.press(kMiddle);
-  held.session.move(held.at(kMiddle, Vector2(50, 20)));
-  held.session.wait();
-  EXPECT_TRUE(held.session.finish({}));
-  EXPECT_EQ(held.session.recorded().steps.size(), 0U);
-  EXPECT_TRUE(same_bits(held.host(), held.session.original().vertices));
+  play("press 30,30; move 30,30 50 20; release 30,30 50 20; finish 3600; steps 1; consistent", hills());
+  play("click 30,30; press 30,30; move 30,30 50 20; wait; finish 0; steps 0; same pose rest", hills());
 }
 
 TEST(DragSession, FinishDoesNotWaitLongerThanItMayAndTheStepFollows) {
@@ -226,51 +184,23 @@ TEST(DragSession, FinishDoesNotWaitLongerThanItMayAndTheStepFollows) {
 }
 
 TEST(DragSession, MouseWhileAStepIsWorkedOutIsNotLost) {
-  Window window(hills());
-  window.press(kMiddle);
-  window.session.move(window.at(kMiddle, Vector2(30, 0)));
-  window.session.release(window.at(kMiddle, Vector2(30, 0)));
-  ASSERT_EQ(window.session.state(), State::Settling);
-  const int other = kMiddle + 5;
-  window.press(other);
-  window.session.move(window.at(other, Vector2(0, 20)));
-  window.session.release(window.at(other, Vector2(0, 25)));
-  window.session.wait();
-  EXPECT_EQ(window.session.recorded().steps.size(), 2U);
-  window.expect_consistent();
+  play(
+      "press 30,30; move 30,30 30 0; release 30,30 30 0; state settling; press 30,35; move 30,35 0 20; release 30,35 0 "
+      "25; wait; steps 2",
+      hills());
 }
 
 TEST(DragSession, NextClickAbandonsWhatIsPrepared) {
-  Window window(hills());
-  window.press(kMiddle);
-  window.session.release(window.at(kMiddle));
-  EXPECT_TRUE(window.session.preparation().running);
-  const int other = 10 * 60 + 10;
-  window.click(other);
-  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{other}});
-  EXPECT_TRUE(window.session.preparation().ready);
-  EXPECT_EQ(window.session.shown().region()->classes[static_cast<std::size_t>(
-                std::lower_bound(window.session.shown().region()->mesh_vertex.begin(),
-                                 window.session.shown().region()->mesh_vertex.end(), other) -
-                window.session.shown().region()->mesh_vertex.begin())],
-            VertexClass::Handle);
+  play("press 30,30; release 30,30; click 10,10; groups 10,10; ready; in 10,10; anchor 10,10 not", hills());
 }
 
 // --- Keys -----------------------------------------------------------------------------------------------------------
 
 TEST(DragSession, TypedAmountsAreExact) {
-  const struct {
-    const char* keys;
-    Vector3 translation;
-  } cases[] = {{"tx1.5\r", {1.5, 0, 0}}, {"ty-2\r", {0, -2, 0}}, {"tz0.125\r", {0, 0, 0.125}}, {"txy3\r", {0, 3, 0}}};
-  for (const auto& c : cases) {
-    Window window(hills());
-    window.click(kMiddle);
-    window.keys(c.keys);
-    ASSERT_EQ(window.session.recorded().steps.size(), 1U) << c.keys;
-    EXPECT_EQ(window.session.recorded().steps[0].handles[0].transform.translation, c.translation) << c.keys;
-    window.expect_consistent();
-  }
+  play(
+      "click 30,30; keys tx1.5; enter; recorded 0 translation 1.5 0 0; keys ty-2; enter; recorded 1 translation 0 -2 "
+      "0; keys tz0.125; enter; recorded 2 translation 0 0 0.125; keys txy3; enter; recorded 3 translation 0 3 0",
+      hills());
 }
 
 TEST(DragSession, NormalLockFollowsTheSurface) {
@@ -331,16 +261,11 @@ TEST(DragSession, SaysWhereFramesAreFullSolutions) {
 }
 
 TEST(DragSession, RotatingOrScalingASingleVertexIsRefused) {
-  Window window(hills());
-  window.click(kMiddle);
-  for (const char* key : {"r", "s"}) {
-    window.keys(key);
-    EXPECT_EQ(window.session.state(), State::Picked);
-    EXPECT_NE(window.session.message().find(std::string(*key == 'r' ? "Turning" : "Scaling") +
-                                            " needs a handle of several vertices, and this one is vertex " +
-                                            std::to_string(kMiddle) + " alone"),
-              std::string::npos);
-  }
+  play(
+      "click 30,30; keys r; state picked; says 'Turning needs a handle of several vertices, and this one is vertex "
+      "1830 alone'; keys s; state picked; says 'Scaling needs a handle of several vertices, and this one is vertex "
+      "1830 alone'",
+      hills());
 }
 
 TEST(DragSession, KeyMotionFollowsTheMouseAndAClickAppliesIt) {
@@ -355,128 +280,6 @@ TEST(DragSession, KeyMotionFollowsTheMouseAndAClickAppliesIt) {
   window.session.wait();
   const Vector3 way = window.session.recorded().steps.at(0).handles[0].transform.translation;
   EXPECT_NEAR(way.x(), 25 * window.view.pixel_size(Vector3(30, 30, 0)), 1e-9);
-}
-
-// --- On the drag path -----------------------------------------------------------------------------------------------
-
-TEST(DragSession, AnyEventsLeaveAConsistentSession) {
-  Window window(shapes::letter_field(40, 20));
-  std::mt19937 random(20260);
-  const auto pick = [&random](int count) { return static_cast<int>(random() % static_cast<unsigned>(count)); };
-  const int n = static_cast<int>(window.host().rows());
-  Edit saved;
-  const std::string keys = "xyzntrsgcwpbv0123456789.-\r\b";
-  for (int event = 0; event < 3000; ++event) {
-    DragSession& session = window.session;
-    Cursor cursor =
-        pick(8) == 0 ? window.at(Vector2(pick(800), pick(600))) : window.at(pick(n), Vector2(pick(9) - 4, pick(9) - 4));
-    cursor.snap = pick(4) == 0;
-    switch (pick(27)) {
-      case 0:
-      case 1:
-      case 2:
-        session.hover(cursor, {pick(6) == 0, pick(6) == 0});
-        session.press(cursor, {pick(6) == 0, pick(6) == 0});
-        break;
-      case 3:
-      case 4:
-      case 5:
-      case 6:
-        session.move(cursor);
-        break;
-      case 7:
-      case 8:
-      case 9:
-        session.release(cursor);
-        break;
-      case 10:
-      case 11:
-        session.key(support::key_of(keys[static_cast<std::size_t>(pick(static_cast<int>(keys.size())))]), cursor);
-        break;
-      case 12: {
-        DragSettings settings = session.settings();
-        settings.radius = 0.05 * (1 + pick(12));
-        settings.padding = 0.1 * pick(12);  // 1.1 is refused
-        settings.handle_fraction = 0.3 * pick(4);
-        settings.edit.order = 1 + pick(2);  // 2 is refused
-        settings.edit.iterations = 1 + pick(2);
-        settings.falloff = static_cast<Falloff>(pick(4));
-        session.set_settings(settings);
-        break;
-      }
-      case 20:
-        session.set(&Tools::paint, pick(3) ? std::optional(static_cast<BrushTarget>(pick(3))) : std::nullopt);
-        pick(2) ? session.change_painted(static_cast<PaintChange>(pick(3))) : session.set_handle({pick(n), pick(n)});
-        break;
-      case 21:
-        session.set(&Tools::gizmo, pick(4) != 0);
-        session.set(&Tools::axes, static_cast<GizmoAxes>(pick(3)));
-        session.set(&Tools::pivot, static_cast<Pivot>(pick(3)));
-        break;
-      case 24:
-        session.set(&Tools::mirror,
-                    pick(2) ? std::optional(MirrorPlane{Vector3(2, 1, 0), Vector3::Unit(pick(3))}) : std::nullopt);
-        break;
-      case 22:
-        session.set_anchors({pick(n), pick(n), pick(n)});
-        break;
-      case 23:
-        session.cancel();
-        session.leave();
-        break;
-      case 13:
-        session.undo();
-        break;
-      case 14:
-        session.redo();
-        break;
-      case 15:
-        pick(2) ? session.key(DragKey::Grow) : session.key(DragKey::Shrink);
-        break;
-      case 16:
-        pick(2) ? session.whole_component() : session.clear();
-        break;
-      case 17:
-        session.set_region({pick(n), pick(n), pick(n)});
-        break;
-      case 18:
-        if (pick(3) == 0) {
-          saved = session.recorded();
-        } else if (!saved.steps.empty() && saved.steps.size() < 4 && pick(4) == 0) {
-          session.load(saved);
-        }
-        break;
-      case 19:
-        if (pick(8) == 0) {
-          session.finish({});
-        }
-        session.wait();
-        ASSERT_FALSE(session.busy()) << "event " << event;
-        ASSERT_NE(session.state(), State::Settling) << "event " << event;
-        break;
-      default:
-        session.poll();
-    }
-    ASSERT_TRUE(window.host().allFinite()) << "event " << event;
-    ASSERT_FALSE(session.message().empty());
-    if (event % 100 == 99) {
-      session.finish({});
-      session.wait();
-      ASSERT_TRUE(same_bits(window.host(), session.mesh().vertices)) << "event " << event;
-    }
-    if (session.figures().steps > 12) {
-      session.finish({});
-      session.wait();
-      window.expect_consistent();
-      session.go_to(0);
-      ASSERT_TRUE(same_bits(window.host(), session.original().vertices)) << "event " << event;
-    }
-  }
-  window.session.finish({});
-  window.session.wait();
-  window.expect_consistent();
-  window.session.go_to(0);
-  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
 }
 
 }  // namespace
