@@ -14,7 +14,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD, FOLDER = ROOT / "build", ROOT / "build/window"
-sys.path.insert(0, str(ROOT / "tests/gui"))
+sys.path[:0] = [str(ROOT / "tests/gui"), str(ROOT / "tests/batch")]
 
 NOSE, FOOT = (0, -0.13, 1.21), (0.8, -1.29, 0.41)
 HAND = (1.0, -0.2, 0.15)  # of the person
