@@ -42,6 +42,11 @@ void Panel::addAdvanced() {
                            [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); }};
     if (setting.kind == Setting::Kind::Choice && setting.varies(EditMethod::Linear)) {
       row(titleOf(setting.key), choice(setting, access));
+    } else if (setting.kind == Setting::Kind::Switch) {
+      auto* const box = check(setting.key, titleOf(setting.subject), tip(setting.help), access);
+      shown_.push_back([box, &setting](const DragSession& session) {
+        box->setVisible(setting.applies(session.settings().edit.method));
+      });
     } else if (QString(setting.key) == "membrane") {
       row(tr("Keep lengths"), number(setting.key, setting.low, setting.high, 6, tip(setting.help), access));
     }

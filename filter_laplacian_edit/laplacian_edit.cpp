@@ -19,7 +19,7 @@ enum RegionSource { GeodesicRadius, SelectedFaces, WholeComponent };
 /// The settings that are parameters. They are few, since scripts of MeshLab 2020.09 have to give all parameters; JSON
 /// has all settings. Laplacian and membrane have one more value, which leaves the choice to the method.
 constexpr const char *kMethod = "method", *kLaplacian = "laplacian", *kOrder = "order", *kMembrane = "membrane";
-constexpr int kLaplacianOfMethod = 0;
+constexpr int kLaplacianOfMethod = 0, kStopAtContact = 3;
 constexpr double kMembraneOfMethod = -1;
 
 const Setting& setting(const char* key) {
@@ -76,7 +76,9 @@ std::vector<Parameter> parameters() {
       {Kind::Real, "scale", transform.scale, "Scale",
        "Factor by which the handle grows about its centroid; greater than 0."},
   };
-  list.push_back(parameterOf(kMethod, Kind::Choice, 0));
+  list.push_back(parameterOf(kMethod, Kind::Choice, 0,
+                             " Default, stop at contact: the result crosses neither itself nor the surface around it."));
+  list.back().choices.append("Default, stop at contact");
   list.push_back(parameterOf(kLaplacian, Kind::Choice, kLaplacianOfMethod));
   list.back().choices.prepend("Default of the method");
   list.push_back(parameterOf(kOrder, Kind::Integer, EditSettings().order));
@@ -137,7 +139,10 @@ EditStep editStep(const ParameterValues& values, const CMeshO& host, const Bridg
   transform.degrees = values.real("rotation_angle");
   transform.scale = values.real("scale");
   step.handles.push_back({handleVertices(values, host, bridged), transform});
-  setting(kMethod).set(step.settings, values.integer(kMethod));
+  step.settings.contact = values.integer(kMethod) == kStopAtContact;
+  if (!step.settings.contact) {
+    setting(kMethod).set(step.settings, values.integer(kMethod));
+  }
   setting(kOrder).set(step.settings, values.integer(kOrder));
   if (values.integer(kLaplacian) != kLaplacianOfMethod) {
     setting(kLaplacian).set(step.settings, values.integer(kLaplacian) - 1);

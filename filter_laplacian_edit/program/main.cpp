@@ -150,6 +150,9 @@ class Job {
       return true;
     };
     validate(file_.mesh);
+    for (EditStep& step : edit.steps) {
+      step.settings.contact |= options_.contact && !step.fit;
+    }
     edit = in_space(with_scans(std::move(edit), readScan), file_.space);
     const Adjacency adjacency = build_adjacency(static_cast<int>(file_.mesh.vertices.rows()), file_.mesh.faces);
     const auto finish = [&](EditResult&& pose) {

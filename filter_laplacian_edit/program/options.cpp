@@ -86,8 +86,8 @@ struct Words {
 /// Names of the options, and how many values follow each.
 constexpr std::pair<const char*, std::size_t> kOptions[] = {
     {"--fit", 1},    {"--fraction", 1},   {"--fractions", 1}, {"--landmarks", 2}, {"--nearest", 1},
-    {"--report", 1}, {"--symmetrise", 0}, {"--info", 0},      {"--quality", 0},   {"--strict", 0},
-    {"--quiet", 0},  {"--help", 0},       {"--version", 0},
+    {"--report", 1}, {"--symmetrise", 0}, {"--info", 0},      {"--quality", 0},   {"--contact", 0},
+    {"--strict", 0}, {"--quiet", 0},      {"--help", 0},      {"--version", 0},
 };
 
 Words sorted(const std::vector<std::string>& arguments) {
@@ -224,6 +224,7 @@ std::optional<Options> readOptions(const std::vector<std::string>& arguments, st
   options.quiet = words.has("--quiet");
   options.strict = words.has("--strict");
   options.quality = words.has("--quality");
+  options.contact = words.has("--contact");
   options.numbered = words.has("--fractions");
   options.report = words.has("--report") ? words.value("--report") : "";
   if (words.has("--nearest")) {

@@ -23,6 +23,7 @@ struct Options {
   bool quiet = false;
   bool strict = false;   ///< advice on a result is an error
   bool quality = false;  ///< counts new self-intersections
+  bool contact = false;  ///< all steps stop at contact
 
   bool asks() const { return info || !nearest.empty(); }
   std::vector<std::string> outputs() const;  ///< one name per fraction

@@ -12,7 +12,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 case $1 in
 oldest) python=$(head -n 1 "$2/pythons") packages="numpy<2 pymeshlab==2022.2.*" tests="package detail pymeshlab" ;;
-newest) python=$(tail -n 1 "$2/pythons") packages="numpy>=2 pymeshlab==2025.7.* pyvista imageio" tests="package detail pymeshlab page" ;;
+newest) python=$(tail -n 1 "$2/pythons") packages="numpy>=2 pymeshlab==2025.7.* pyvista imageio ipctk" tests="package detail pymeshlab page contact" ;;
 *) sed -n 's/^# usage: //p' "$0" >&2 && exit 2 ;;
 esac
 if [ "$1" = oldest ] && "$python" -c 'import sys; sys.exit(sys.version_info < (3, 12))'; then
@@ -28,7 +28,7 @@ trap 'rm -rf "$venv"' EXIT
   { cat "$venv/log" >&2; exit 1; }
 "$venv/bin/python" -c 'import sys, numpy; print("Python", sys.version.split()[0], "NumPy", numpy.__version__)'
 for test in $tests; do
-  PYTHONDONTWRITEBYTECODE=1 LAPEDIT_COMMAND=$3 LAPEDIT_MESHES=$4 "$venv/bin/python" "$here/${test}_test.py"
+  PYTHONDONTWRITEBYTECODE=1 LAPEDIT_COMMAND=$3 LAPEDIT_MAKE_MESH=$(dirname "$3")/../common/demo/make_mesh LAPEDIT_MESHES=$4 "$venv/bin/python" "$here/${test}_test.py"
 done
 if [ "$1" = newest ]; then
   PYTHONDONTWRITEBYTECODE=1 LAPEDIT_COMMAND=$3 LAPEDIT_MAKE_MESH=$(dirname "$3")/../common/demo/make_mesh \

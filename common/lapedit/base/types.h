@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <Eigen/SparseCore>
+#include <cmath>
 
 namespace lapedit {
 
@@ -18,5 +19,10 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Faces = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// A sparse matrix, stored by columns.
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+
+/// Returns the largest length of a row; 0 without rows.
+inline double largest_row(const Points& points) {
+  return points.rows() > 0 ? std::sqrt(points.rowwise().squaredNorm().maxCoeff()) : 0;
+}
 
 }  // namespace lapedit

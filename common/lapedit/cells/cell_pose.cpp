@@ -144,7 +144,7 @@ void CellPose::resist_twist() {
 int CellPose::last_passes(bool quick) const {
   constexpr double kHalf = 3.14159265358979323846 / 8;  // half a revolution; turned_ has eighths of angles
   constexpr double kTwisted = 0.6, kBent = 0.2;         // fraction of the rotation between cells about their edges
-  const double most = std::sqrt(turned_.rowwise().squaredNorm().maxCoeff());
+  const double most = largest_row(turned_);
   if (quick || most <= kHalf) {
     return quick ? kQuick.at_the_end : kFull.at_the_end;
   }

@@ -57,6 +57,16 @@ Value landmark_line(const R& r) {
          worst->name + "\" (vertex " + std::to_string(worst->vertex) + ")";
 }
 
+/// Returns where handle groups stop, as text.
+std::string stops(const R& r) {
+  std::string all;
+  for (const ContactReport::Stop& stop : r.contact->stops) {
+    all += (all.empty() ? "handle group " : ", group ") + std::to_string(stop.group) +
+           format_text(" stops %.3g before its target", stop.distance);
+  }
+  return all + (all.empty() ? "" : ", at vertex " + std::to_string(r.contact->vertex));
+}
+
 std::string counted(int number, const char* one, const char* several) {
   return std::to_string(number) + " " + (number == 1 ? one : several);
 }
@@ -153,6 +163,11 @@ const std::vector<Figure>& report_table() {
        "; the last pass still rotated by %.3g degrees"},
       {"folded", of<&R::folded>, "; triangles folded over: %d"},
       {"new_intersections", of<&R::new_intersections>, "; new self-intersections: %d"},
+
+      {"contacts", [](const R& r) { return r.contact ? Value(r.contact->pairs) : Value(); },
+       "\nContact: %d pairs touch"},
+      {"converged", [](const R& r) { return r.contact ? Value(r.contact->converged) : Value(); }},
+      {"stopped", [](const R& r) { return r.contact ? Value(stops(r)) : Value(); }, "; %s"},
 
       {"milliseconds/region", of<&R::region_ms>, "\nMilliseconds: region %.1f"},
       {"milliseconds/operator", of<&R::operator_ms>, ", operator %.1f", kNotInFits},
@@ -374,6 +389,15 @@ std::string advice_on_rotations(const R& r) {
                                        : "make the edit in two steps.");
 }
 
+/// Returns advice on handles that contacts keep from their targets.
+std::string advice_on_contact(const R& r) {
+  std::string sentence = stops(r);
+  sentence[0] = 'H';
+  return sentence + ", where the surface would cross another part: " +
+         (r.contact->converged ? "move it less, around the obstacle, or the obstacle away."
+                               : "contacts jam there; move it less, or in two steps around the obstacle.");
+}
+
 constexpr double kCorner = 30;  // degrees
 
 std::string advice_on_corner(const R& r) {
@@ -389,12 +413,14 @@ std::string EditReport::advice() const {
   // One or two folds among the many triangles of a fit are no reason to look for a cause.
   constexpr double kFewFolds = 5e-4;
   const bool folds = folded > (fit ? std::max(2.0, kFewFolds * mesh_vertices) : 0);
+  const bool stopped = contact && !contact->stops.empty();
   const bool shape = folds || new_intersections.value_or(0) > 0 || has_long_edges(r) || has_stretched_area(r);
   return sentences({{causes.unheld && handle_displacement > 0, advice_on_hold(r)},
                     {fit.has_value(), fit ? advice_on_fit(*fit, landmarks) : ""},
                     {causes.lost.vertex >= 0, advice_on_volume(r)},
                     {!causes.rigid && shape, advice_on_shape(r)},
-                    {is_far_from_target(r, causes.distance), advice_on_handle(r)},
+                    {stopped, stopped ? advice_on_contact(r) : ""},
+                    {!stopped && is_far_from_target(r, causes.distance), advice_on_handle(r)},
                     {!causes.rigid && is_unsettled(r), advice_on_rotations(r)},
                     {causes.bend > kCorner, advice_on_corner(r)}},
                    2);

@@ -53,6 +53,19 @@ struct LandmarkResidual {
   double residual = 0;  ///< distance to its target, model units
 };
 
+/// What kept a pose from crossing something, see ContactPose.
+struct ContactReport {
+  /// The mean distance of a handle group from its targets.
+  struct Stop {
+    int group = 0;
+    double distance = 0;
+  };
+  int pairs = 0;            ///< of features that press on each other
+  int vertex = -1;          ///< of the mesh, where they press most
+  bool converged = true;    ///< whether the result is settled; otherwise contacts jammed
+  std::vector<Stop> stops;  ///< of groups that miss more than a thousandth of their displacement
+};
+
 /// Times of an edit's stages in milliseconds.
 struct EditTimes {
   double region_ms = 0, operator_ms = 0, factor_ms = 0, rotations_ms = 0, solve_ms = 0;
@@ -94,6 +107,7 @@ struct EditReport : EditTimes, EditMeasures {
   std::vector<LandmarkResidual> landmarks;  ///< of a whole edit with landmarks; empty for a step
   std::string landmark_conversion;          ///< of coordinate systems, as in "from RAS to LPS"; empty: none
   std::optional<FitReport> fit;             ///< of a step that fits; its system figures stay empty
+  std::optional<ContactReport> contact;     ///< with EditSettings::contact
   std::string targets_advice;               ///< why targets are far from the surface; empty if they are not, or unknown
 
   /// Returns several lines of plain text for a log, without a trailing newline.

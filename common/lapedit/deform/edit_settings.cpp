@@ -68,6 +68,10 @@ const std::vector<Setting>& settings_table() {
         "the handle's motion, falling off with the distance along the surface (falloff), which needs no solution.",
         {"unrotated", "falloff"});
     rough.only = EditMethod::Paper;
+    Setting contact = row<&S::contact>(Kind::Switch, "contact", "stop at contact", "true or false", 0, 1,
+                                       "Whether a result stops where the surface would cross itself or the surface "
+                                       "around it. Frames of a drag do not.");
+    contact.only = EditMethod::Default;
     return std::vector<Setting>{
         method,
         choice<&S::laplacian>("laplacian", "Laplacian", "umbrella, cotangent, mean_value or surface",
@@ -91,7 +95,8 @@ const std::vector<Setting>& settings_table() {
                         "them, 2 doubles them."),
         iterations,
         radius,
-        rough};
+        rough,
+        contact};
   }();
   return table;
 }

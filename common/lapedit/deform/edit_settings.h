@@ -47,6 +47,7 @@ struct EditSettings {
   int iterations = 0;        ///< passes of EditMethod::Default; 0: see passes()
   double normal_radius = 0;  ///< of EditMethod::Paper: r of the smoothing, model units; 0: automatic
   RoughDeformation rough = RoughDeformation::Unrotated;  ///< of EditMethod::Paper
+  bool contact = false;  ///< of EditMethod::Default: settled poses cross nothing, see ContactPose
 
   /// Returns the method with its default values.
   static EditSettings of(EditMethod method);
@@ -74,7 +75,8 @@ struct Setting {
     Choice,  ///< one of choices, by number
     Whole,   ///< whole number
     Length,  ///< model units; 0: chosen from the mesh
-    Number
+    Number,
+    Switch  ///< 0 or 1, a Boolean in JSON
   };
 
   Kind kind;

@@ -87,10 +87,6 @@ constexpr double kExact = 1e-11, kForRotations = 1e-7;
 
 constexpr int kGrain = 2048;
 
-double largest_row(const Points& points) {
-  return std::sqrt(points.rowwise().squaredNorm().maxCoeff());
-}
-
 /// Returns the spacing of coordinates of this size.
 double spacing(StoredScalar scalar, double coordinate) {
   return coordinate * (scalar == StoredScalar::Float ? static_cast<double>(std::numeric_limits<float>::epsilon())
@@ -111,6 +107,9 @@ StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSe
   }
   if (options.mirror) {
     symmetry_.emplace(mesh, region(), *options.mirror);
+  }
+  if (settings.contact) {
+    contact_ = std::make_unique<ContactPose>(mesh, rest_);
   }
 }
 
@@ -270,8 +269,50 @@ void StepSolver::collect(Points& positions) {
   round_to(options_.scalar, positions);
 }
 
+/// Replaces a pose that crosses something by one that stops there: it follows frames, and rotations are fitted once
+/// more at its end.
+void StepSolver::stop_at_contact() {
+  constexpr int kSteps = 8;
+  const Stopwatch watch;
+  const Points plain = constraints_.start() + displacement_;
+  if (contact_->is_clear(plain, pool())) {
+    return;
+  }
+  const PoseFigures figures = figures_;
+  const std::vector<Matrix3> rotations = rotations_;
+  std::vector<Points> path;
+  for (int k = 1; k < kSteps; ++k) {
+    std::vector<HandleMotion> part = motions_.handles;
+    for (HandleMotion& motion : part) {
+      motion.fraction *= static_cast<double>(k) / kSteps;
+    }
+    apply(part, motions_.anchors, motions_.fraction * k / kSteps);
+    start(true);
+    correct(1);
+    path.emplace_back(constraints_.start() + displacement_);
+  }
+  apply(motions_.handles, motions_.anchors, motions_.fraction);
+  path.push_back(plain);
+  contact_->follow(*system_, constraints_, path);
+  rotations_ = rotations;
+  displacement_ = contact_->pose() - constraints_.start();
+  if (constraints_.any()) {  // or the plain pose is rigid
+    cells_->fit(*system_, constraints_, displacement_, rotations_);
+    correct(kForRotations);
+    contact_->approach(constraints_.start() + displacement_);
+    displacement_ = contact_->pose() - constraints_.start();
+  }
+  figures_ = figures;
+  figures_.solve_ms += watch.elapsed();
+}
+
 /// Keeps the pose and its rotations.
 void StepSolver::settle() {
+  if (contact_) {
+    stage_ = Stage::None;
+    stop_at_contact();
+    stage_ = Stage::Settled;
+  }
   collect(positions_);
   for (int i = 0; constraints_.moves_rigidly() && i < region().size(); ++i) {
     rotations_[i] *= constraints_.rigid_rotation(i);
@@ -282,6 +323,15 @@ void StepSolver::settle() {
 /// Sets the targets of the next frame or pose, and the rest pose with its detail. Checks the handles.
 void StepSolver::set(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction) {
   stage_ = Stage::None;
+  if (contact_) {
+    motions_.handles = handles;
+    motions_.anchors = anchors;
+    motions_.fraction = fraction;
+  }
+  apply(handles, anchors, fraction);
+}
+
+void StepSolver::apply(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction) {
   if (settings_.detail == 1 || !system_) {
     constraints_.set(handles, anchors);
   } else {
@@ -328,6 +378,41 @@ bool StepSolver::refine(Points& positions) {
   return true;
 }
 
+ContactReport StepSolver::contact_report() const {
+  constexpr double kMissed = 1e-3;
+  ContactReport report;
+  report.pairs = contact_->touching();
+  if (report.pairs == 0) {
+    return report;
+  }
+  report.vertex = contact_->vertex();
+  report.converged = contact_->converged();
+  struct Group {
+    Vector3 missed = Vector3::Zero(), wanted = Vector3::Zero();
+    int vertices = 0;
+  };
+  std::vector<Group> groups;
+  for (const int i : constraints_.handles()) {
+    const auto g = static_cast<std::size_t>(region().group[i]);
+    groups.resize(std::max(groups.size(), g + 1));
+    const Vector3 wanted = constraints_.wanted_displacement(i);
+    groups[g].wanted += wanted;
+    groups[g].missed += wanted - (positions_.row(i) - rest_->world.row(i)).transpose();
+    ++groups[g].vertices;
+  }
+  double farthest = 0;
+  for (const Group& group : groups) {
+    farthest = std::max(farthest, group.wanted.norm() / std::max(group.vertices, 1));
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const double distance = groups[g].missed.norm() / std::max(groups[g].vertices, 1);
+    if (distance > kMissed * farthest) {
+      report.stops.push_back({static_cast<int>(g), distance});
+    }
+  }
+  return report;
+}
+
 EditReport StepSolver::report() const {
   EditReport report;
   report.mesh_vertices = region().mesh_vertices;
@@ -370,6 +455,9 @@ EditReport StepSolver::report() const {
   report.causes.rigid =
       moved_rigidly(region(), rest_->world, positions_, kRoundings * spacing(options_.scalar, largest));
   report.iterations = figures_.iterations;
+  if (contact_) {
+    report.contact = contact_report();
+  }
   if (report.causes.behind >= 0) {
     const std::vector<int>& vertices = region().mesh_vertex;
     const auto behind = std::find(vertices.begin(), vertices.end(), report.causes.behind) - vertices.begin();

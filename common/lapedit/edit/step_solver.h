@@ -11,6 +11,7 @@
 #include "lapedit/deform/edit_constraints.h"
 #include "lapedit/deform/edit_report.h"
 #include "lapedit/deform/frame_rotations.h"
+#include "lapedit/edit/contact_pose.h"
 #include "lapedit/edit/mirror.h"
 
 // Prepares a step and computes its poses. This example pulls up vertex 42 with the surface within 0.3 of it:
@@ -167,13 +168,22 @@ class StepSolver {
     int poses = 0;  ///< since then
   };
 
+  struct Motions {
+    std::vector<HandleMotion> handles;
+    Affine anchors = Affine::Identity();
+    double fraction = 1;
+  };
+
   void make_cells(int threads);
   void set(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction);
+  void apply(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction);
   void start(bool quick);
   void rotate();
   void correct(double accuracy);
   void advance();
   void settle();
+  void stop_at_contact();
+  ContactReport contact_report() const;
   void collect(Points& positions);
   ThreadPool& pool();
 
@@ -184,12 +194,14 @@ class StepSolver {
   std::optional<PoseSymmetry> symmetry_;
   std::unique_ptr<CellModel> cells_;
   EditConstraints constraints_;     // of the last frame or pose
+  Motions motions_;                 // likewise, with contacts
   std::optional<ThreadPool> pool_;  // of frames until there is a system
 
   // Of the system.
   std::shared_ptr<const LaplacianSystem> system_;
   std::unique_ptr<CorrectionStep> step_;
   std::unique_ptr<FrameRotations> frame_rotations_;  // with EditMethod::Paper
+  std::unique_ptr<ContactPose> contact_;             // with EditSettings::contact
 
   // Of the last frame or pose.
   Stage stage_ = Stage::None;

@@ -352,12 +352,16 @@ Json json_of(Value& value) {
 }
 
 double read_setting(const JsonValue& from, const Setting& setting) {
-  return setting.kind == Setting::Kind::Choice  ? read_choice(from, setting.choices)
-         : setting.kind == Setting::Kind::Whole ? value_of<int>(from)
-                                                : value_of<double>(from);
+  return setting.kind == Setting::Kind::Choice   ? read_choice(from, setting.choices)
+         : setting.kind == Setting::Kind::Whole  ? value_of<int>(from)
+         : setting.kind == Setting::Kind::Switch ? value_of<bool>(from)
+                                                 : value_of<double>(from);
 }
 
 Json json_of(const Setting& setting, double value) {
+  if (setting.kind == Setting::Kind::Switch) {
+    return value != 0;
+  }
   if (setting.kind != Setting::Kind::Choice) {
     return json_of(value);
   }
@@ -374,7 +378,7 @@ void visit(Keys& keys, const Setting& setting, EditSettings& settings) {
   }
   if (keys.has(setting.key)) {
     setting.set(settings, read_setting((*keys.from)[setting.key], setting));
-  } else if (keys.to != nullptr && applies) {
+  } else if (keys.to != nullptr && applies && !(setting.kind == Setting::Kind::Switch && setting.get(settings) == 0)) {
     (*keys.to)[setting.key] = json_of(setting, setting.get(settings));
   }
 }

@@ -9,10 +9,6 @@
 namespace lapedit {
 namespace {
 
-double largest_row(const Points& points) {
-  return points.rows() > 0 ? points.rowwise().norm().maxCoeff() : 0;
-}
-
 /// Computes out = M^T (M x) + W^2 x. @param between scratch
 void normal_product(const OperatorRows& m, const Eigen::VectorXd& squared_weights, const Points& x, Points& between,
                     Points& out, ThreadPool& pool) {

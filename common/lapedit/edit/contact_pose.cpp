@@ -1,0 +1,451 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/edit/contact_pose.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "lapedit/base/progress.h"
+#include "lapedit/mesh/vertex_set.h"
+
+namespace lapedit {
+namespace {
+
+/// Stiffness s of contacts: below the weights of handles, so that exact handles win and are seen to be blocked; above
+/// all weights once they yield.
+constexpr double kForExact = 10, kYielding = 1e5;
+/// Rounds of one attempt, and sweeps for further contacts in each.
+constexpr int kRounds = 6, kSearches = 2;
+/// Time and memory grow with their squares and cubes.
+constexpr int kMostVertices = 2000, kMostContacts = 1000;
+
+}  // namespace
+
+/// A^-1 at the vertices of contacts.
+class ContactPose::Response {
+ public:
+  explicit Response(const LaplacianSystem& system)
+      : system_(system),
+        solver_(system.matrix, system.correction, system.pool),
+        index_(static_cast<std::size_t>(system.region.size()), -1) {}
+
+  int size() const { return static_cast<int>(vertices_.size()); }
+  bool yields() const { return inverse_.size() > 0; }
+
+  /// Adds columns of the region's vertices that have none. Cost: a solve per three of them
+  void add(const std::vector<int>& vertices) {
+    const int before = size();
+    for (const int v : vertices) {
+      if (index_[v] < 0) {
+        index_[v] = size();
+        vertices_.push_back(v);
+      }
+    }
+    if (size() > matrix_.rows()) {
+      matrix_.conservativeResize(2 * size(), 2 * size());
+    }
+    for (int first = before; first < size(); first += 3) {
+      checkpoint();
+      const int last = std::min(first + 3, size());
+      right_.setZero(system_.region.size(), 3);
+      for (int k = first; k < last; ++k) {
+        right_(vertices_[k], k - first) = 1;
+      }
+      solver_.solve(right_, x_);
+      for (int k = first; k < last; ++k) {
+        for (int i = 0; i < size(); ++i) {
+          matrix_(i, k) = matrix_(k, i) = x_(vertices_[i], k - first);
+        }
+      }
+    }
+    update();
+  }
+
+  /// Lets groups be translated: A loses s s^T / sum_i s_i per group, s its squared weights, except for a small part
+  /// that keeps A positive definite (Woodbury's formula). None: A is that of the edit.
+  void yield(const std::vector<std::vector<int>>& groups) {
+    constexpr double kPart = 0.999;
+    const auto count = static_cast<Eigen::Index>(groups.size());
+    translated_.resize(system_.region.size(), count);
+    inverse_.setZero(count, count);
+    for (Eigen::Index g = 0; g < count; ++g) {
+      right_.setZero(system_.region.size(), 3);
+      for (const int v : groups[static_cast<std::size_t>(g)]) {
+        right_(v, 0) = system_.squared_weights[v];
+        inverse_(g, g) += system_.squared_weights[v] / kPart;
+      }
+      solver_.solve(right_, x_);
+      translated_.col(g) = x_.col(0);
+    }
+    for (Eigen::Index g = 0; g < count; ++g) {
+      for (const int v : groups[static_cast<std::size_t>(g)]) {
+        inverse_.row(g) -= system_.squared_weights[v] * translated_.row(v);
+      }
+    }
+    inverse_ = inverse_.inverse().eval();
+    update();
+  }
+
+  /// Returns the displacements, at all vertices that have columns, by a unit pressure of a contact, along its normal.
+  Eigen::VectorXd displacement(const Contact& contact) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(size()), groups = Eigen::VectorXd::Zero(inverse_.rows());
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (const int column = index_of(contact.vertices[k]); column >= 0) {
+        sum += contact.weights[k] * matrix_.col(column).head(size());
+        groups += contact.weights[k] * translated_.row(contact.vertices[k]).transpose();
+      }
+    }
+    sum += at_ * (inverse_ * groups);
+    return sum;
+  }
+  /// Returns how far such displacements open a contact.
+  double along(const Contact& contact, const Eigen::VectorXd& displacements) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (const int column = index_of(contact.vertices[k]); column >= 0) {
+        sum += contact.weights[k] * displacements[column];
+      }
+    }
+    return sum;
+  }
+
+  /// Returns A^-1 f. @param forces  f, used as scratch
+  const Points& displacement(Points& forces) {
+    const Eigen::MatrixXd along = inverse_ * (translated_.transpose() * forces);
+    solver_.solve(forces, x_);
+    x_ += translated_ * along;
+    return x_;
+  }
+
+ private:
+  int index_of(int vertex) const {
+    return vertex < static_cast<int>(index_.size()) ? index_[static_cast<std::size_t>(vertex)] : -1;  // or it rests
+  }
+  void update() {
+    at_.resize(size(), translated_.cols());
+    for (int k = 0; k < size(); ++k) {
+      at_.row(k) = translated_.row(vertices_[k]);
+    }
+  }
+
+  const LaplacianSystem& system_;
+  RefinedSolver solver_;
+  std::vector<int> index_, vertices_;  // of a vertex, or -1; of an index
+  Eigen::MatrixXd matrix_;             // A^-1 of the edit; and room for more
+  Eigen::MatrixXd translated_, at_;    // A^-1 s of the groups that yield, and its rows of these vertices
+  Eigen::MatrixXd inverse_;            // of Woodbury's formula
+  Points right_, x_;
+};
+
+ContactPose::ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest) : rest_(std::move(rest)) {
+  const Region& region = *rest_->region;
+  around_.vertices = mesh.vertices.rowwise() - rest_->origin.transpose();
+  around_.local.assign(static_cast<std::size_t>(mesh.vertices.rows()), -1);
+  for (int i = 0; i < region.size(); ++i) {
+    around_.local[region.mesh_vertex[i]] = i;
+  }
+  around_.moving.resize(mesh.faces.rows(), 3);
+  around_.resting.resize(mesh.faces.rows(), 3);
+  Eigen::Index moving = 0, resting = 0;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    const auto face = mesh.faces.row(f);
+    const bool distinct = face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
+    const Points& at = around_.vertices;
+    if (distinct && (at.row(face[0]) + at.row(face[1]) + at.row(face[2])).allFinite()) {
+      const auto is_in = [&](int v) { return around_.local[v] >= 0; };
+      const bool moves = is_in(face[0]) || is_in(face[1]) || is_in(face[2]);
+      (moves ? around_.moving.row(moving++) : around_.resting.row(resting++)) = face;
+    }
+  }
+  around_.moving.conservativeResize(moving, 3);
+  around_.resting.conservativeResize(resting, 3);
+}
+
+ContactPose::~ContactPose() = default;
+
+/// Makes the surface of the moving faces and of those that rest in the box of a path, unless there is one.
+void ContactPose::make_surface(const std::vector<Points>& path, ThreadPool& pool) {
+  Eigen::AlignedBox3d box = bounding_box(rest_->local);
+  for (const Points& pose : path) {
+    box.extend(bounding_box(pose));
+  }
+  if (surface_ && box_.contains(box)) {
+    return;
+  }
+  box_ = box;
+  std::vector<int> local = around_.local;
+  mesh_vertex_ = rest_->region->mesh_vertex;
+  Faces faces(around_.moving.rows() + around_.resting.rows(), 3);
+  Eigen::Index count = 0;
+  const auto add = [&](const Faces& from, Eigen::Index f) {
+    for (int k = 0; k < 3; ++k) {
+      int& number = local[from(f, k)];
+      if (number < 0) {
+        number = static_cast<int>(mesh_vertex_.size());
+        mesh_vertex_.push_back(from(f, k));
+      }
+      faces(count, k) = number;
+    }
+    ++count;
+  };
+  for (Eigen::Index f = 0; f < around_.moving.rows(); ++f) {
+    add(around_.moving, f);
+  }
+  for (Eigen::Index f = 0; f < around_.resting.rows(); ++f) {
+    Eigen::AlignedBox3d own;
+    for (const int v : around_.resting.row(f)) {
+      own.extend(around_.vertices.row(v).transpose());
+    }
+    if (box.intersects(own)) {
+      add(around_.resting, f);
+    }
+  }
+  faces.conservativeResize(count, 3);
+  surface_ = std::make_unique<ContactSurface>(gather(around_.vertices, mesh_vertex_), std::move(faces),
+                                              rest_->region->size(), pool);
+}
+
+/// Returns all vertices of the surface.
+Points ContactPose::whole(const Points& pose) const {
+  Points all = surface_->rest();
+  all.topRows(pose.rows()) = pose;
+  return all;
+}
+
+bool ContactPose::is_clear(const Points& pose, ThreadPool& pool) {
+  touching_ = 0;
+  converged_ = true;
+  make_surface({pose}, pool);
+  return surface_->is_clear(whole(pose), pool);
+}
+
+/// Adds contacts that are not there yet, the most urgent first, and in one call at most one at each vertex: others may
+/// be settled by it. @return whether there were any
+bool ContactPose::add(std::vector<Contact> contacts) {
+  const auto urgency = [](const Contact& contact) {
+    return std::tuple(contact.safe, contact.distance, contact.vertices);
+  };
+  std::sort(contacts.begin(), contacts.end(),
+            [&](const Contact& a, const Contact& b) { return urgency(a) < urgency(b); });
+  std::set<std::pair<bool, std::array<int, 4>>> known;
+  for (const Contact& contact : contacts_) {
+    known.insert({contact.edges, contact.vertices});
+  }
+  std::set<int> taken;
+  std::vector<int> touched;
+  const std::size_t before = contacts_.size();
+  for (const Contact& contact : contacts) {
+    const auto& vertices = contact.vertices;
+    const bool is_free = std::none_of(vertices.begin(), vertices.end(), [&](int v) { return taken.count(v) > 0; });
+    if (is_free && known.count({contact.edges, vertices}) == 0 && contacts_.size() < kMostContacts &&
+        response_->size() + static_cast<int>(touched.size()) < kMostVertices) {
+      taken.insert(vertices.begin(), vertices.end());
+      contacts_.push_back(contact);
+      contacts_.back().pressure = 1;  // a guess
+      std::copy_if(vertices.begin(), vertices.end(), std::back_inserter(touched),
+                   [&](int v) { return v < rest_->region->size(); });
+    }
+  }
+  response_->add(touched);
+  return contacts_.size() > before;
+}
+
+/// Updates contacts to the pose, and drops those that neither press nor are near.
+void ContactPose::update_contacts() {
+  const Points now = whole(pose_);
+  const auto is_over = [&](Contact& contact) {
+    return !ContactSurface::update(contact, now) || !(contact.pressure > 0 || contact.distance < contact.gap);
+  };
+  contacts_.erase(std::remove_if(contacts_.begin(), contacts_.end(), is_over), contacts_.end());
+}
+
+/// Returns the pressures p >= 0 of the contacts, of which C p = missing where they press, C p > missing elsewhere: an
+/// active set. C is the contacts' compliance.
+Eigen::VectorXd ContactPose::pressures(const Eigen::VectorXd& missing, double stiffness) const {
+  constexpr int kMostSets = 12;
+  constexpr double kAccuracy = 1e-6;
+  const Eigen::Index count = missing.size();
+  Eigen::MatrixXd compliance(count, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Contact& a = contacts_[static_cast<std::size_t>(k)];
+    const Eigen::VectorXd moved = response_->displacement(a);
+    checkpoint(static_cast<int>(moved.size()));
+    for (Eigen::Index l = 0; l <= k; ++l) {
+      const Contact& b = contacts_[static_cast<std::size_t>(l)];
+      compliance(k, l) = compliance(l, k) = response_->along(b, moved) * a.normal.dot(b.normal);
+    }
+    compliance(k, k) += 1 / stiffness;
+  }
+  Eigen::VectorXd pressure = Eigen::VectorXd::Zero(count);
+  std::vector<int> pressing, next;
+  for (int k = 0; k < count; ++k) {
+    if (missing[k] > 0 && contacts_[static_cast<std::size_t>(k)].pressure > 0) {
+      next.push_back(k);
+    }
+  }
+  for (int set = 0; set < kMostSets && pressing != next; ++set) {
+    checkpoint();
+    pressing.swap(next);
+    const auto size = static_cast<Eigen::Index>(pressing.size());
+    Eigen::MatrixXd part(size, size);
+    Eigen::VectorXd right(size);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      right[i] = missing[pressing[i]];
+      for (Eigen::Index j = 0; j < size; ++j) {
+        part(j, i) = compliance(pressing[j], pressing[i]);
+      }
+    }
+    part.llt().solveInPlace(right);
+    pressure.setZero();
+    for (Eigen::Index i = 0; i < size; ++i) {
+      pressure[pressing[i]] = right[i];
+    }
+    const Eigen::VectorXd open = missing - compliance * pressure;
+    next.clear();
+    for (int k = 0; k < count; ++k) {
+      if (pressure[k] > 0 || (pressure[k] == 0 && open[k] > kAccuracy * surface_->gap())) {
+        next.push_back(k);
+      }
+    }
+  }
+  return pressure.cwiseMax(0);
+}
+
+/// Returns the pose of least energy near a plain one, for the contacts as they are.
+Points ContactPose::goal(const Points& plain) {
+  const double stiffness = response_->yields() ? kYielding : kForExact;
+  const int n = rest_->region->size();
+  Eigen::VectorXd missing(static_cast<Eigen::Index>(contacts_.size()));
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    Contact& contact = contacts_[k];
+    Vector3 between = Vector3::Zero();
+    for (std::size_t j = 0; j < 4; ++j) {
+      const int v = contact.vertices[j];
+      between += contact.weights[j] * (v < n ? plain.row(v) : surface_->rest().row(v)).transpose();
+    }
+    missing[static_cast<Eigen::Index>(k)] = contact.gap - contact.normal.dot(between);
+  }
+  touching_ = 0;
+  blocked_ = false;
+  if (contacts_.empty() || missing.maxCoeff() <= 0) {
+    for (Contact& contact : contacts_) {
+      contact.pressure = 0;
+    }
+    return plain;
+  }
+  const Eigen::VectorXd pressure = pressures(missing, stiffness);
+  Points forces = Points::Zero(n, 3);
+  double most = 0;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    Contact& contact = contacts_[k];
+    contact.pressure = pressure[static_cast<Eigen::Index>(k)];
+    touching_ += contact.pressure > 0 ? 1 : 0;
+    blocked_ |= contact.pressure > stiffness * contact.gap;  // it would still cross
+    for (std::size_t j = 0; j < 4; ++j) {
+      if (contact.vertices[j] < n) {
+        forces.row(contact.vertices[j]) += contact.pressure * contact.weights[j] * contact.normal.transpose();
+      }
+    }
+    if (contact.pressure > most) {
+      most = contact.pressure;
+      vertex_ = mesh_vertex_[static_cast<std::size_t>(contact.vertices[0])];
+    }
+  }
+  return plain + response_->displacement(forces);
+}
+
+/// Shortens a motion that is much longer than a step of the path, as where contacts jam: its sweep would meet
+/// everything. @return whether it was
+bool ContactPose::limit(Points& next) const {
+  const double most = 2 * (step_ + surface_->gap()), largest = largest_row(next - pose_);
+  if (largest > most) {
+    next = pose_ + most / largest * (next - pose_);
+  }
+  return largest > most;
+}
+
+/// Moves towards a plain pose. @return whether it was reached up to contacts
+bool ContactPose::attempt(const Points& plain) {
+  for (int round = 0; round < kRounds; ++round) {
+    Points next = goal(plain);
+    bool limited = limit(next);
+    Sweep sweep;
+    for (int search = 1;; ++search) {
+      report_progress(0, "contact");
+      sweep = surface_->sweep(whole(pose_), whole(next), *system_->pool);
+      if (!add(sweep.contacts) || search == kSearches) {
+        break;
+      }
+      next = goal(plain);
+      limited = limit(next);
+    }
+    pose_ += sweep.safe * (next - pose_);
+    if (blocked_ && !response_->yields()) {
+      yield();
+    }
+    update_contacts();
+    if (sweep.safe == 1 && !limited) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Lets all groups that move be translated.
+void ContactPose::yield() {
+  constexpr std::size_t kMostGroups = 64;
+  std::vector<std::vector<int>> groups;
+  for (const int i : constraints_->handles()) {
+    const auto group = static_cast<std::size_t>(rest_->region->group[i]);
+    groups.resize(std::max(groups.size(), group + 1));
+    if (!constraints_->paths().stays(group)) {
+      groups[group].push_back(i);
+    }
+  }
+  groups.erase(std::remove_if(groups.begin(), groups.end(), [](const auto& group) { return group.empty(); }),
+               groups.end());
+  groups.resize(std::min(groups.size(), kMostGroups));
+  response_->yield(groups);
+}
+
+bool ContactPose::approach(const Points& plain) {
+  const Points before = pose_;
+  bool reached = attempt(plain);
+  if (!reached && !response_->yields()) {
+    yield();
+    reached = attempt(plain);
+  }
+  if (!reached) {
+    pose_ = before;
+    update_contacts();
+  }
+  return reached;
+}
+
+void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& constraints,
+                         const std::vector<Points>& path) {
+  surface_.reset();  // bits depend on nothing earlier
+  make_surface(path, *system.pool);
+  response_ = std::make_unique<Response>(system);
+  system_ = &system;
+  constraints_ = &constraints;
+  response_->yield({});
+  contacts_.clear();
+  pose_ = rest_->local;
+  converged_ = true;
+  Points reached = rest_->local;
+  for (std::size_t k = 0; k < path.size() && converged_; ++k) {
+    step_ = largest_row(path[k] - reached);
+    converged_ = approach(path[k]);
+    if (!converged_) {
+      approach(0.5 * (reached + path[k]));
+    }
+    reached = path[k];
+  }
+}
+
+}  // namespace lapedit

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <vector>
+
+#include "lapedit/deform/edit_constraints.h"
+#include "lapedit/deform/laplacian_system.h"
+#include "lapedit/mesh/contact_search.h"
+
+namespace lapedit {
+
+/// Keeps a region from crossing itself and the surface around it. Poses x follow the plain poses x0 of the handles'
+/// paths. Each minimises
+///
+///     |x - x0|_A^2 / 2 + s / 2 sum_k max(0, gap_k - n_k . sum_j w_kj x_j)^2
+///
+/// over contacts k, linear in x, with the edit's matrix A. The dual of this problem needs A^-1 at the contacts'
+/// vertices alone: columns that the existing factor gives. A pose moves no farther than sweeps find
+/// safe, so nothing crosses, even if the contacts do not let it reach x0. Where the handles would have to cross
+/// something, each group yields as a whole: A loses what keeps it from being translated.
+class ContactPose {
+ public:
+  /// @param mesh  not kept. O(faces)
+  ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest);
+  ~ContactPose();
+
+  /// Returns whether a pose crosses nothing that it does not cross at rest. Cost: less than a settled pose.
+  /// @param pose  size() x 3, relative to the rest pose's origin, as all poses here
+  bool is_clear(const Points& pose, ThreadPool& pool);
+  /// Follows plain poses from the rest pose. Cost: some settled poses. @throws EditError (Cancelled)
+  void follow(const LaplacianSystem& system, const EditConstraints& constraints, const std::vector<Points>& path);
+  /// Moves on to the pose at one more plain pose. @return false if contacts jam: the pose is then as before
+  bool approach(const Points& plain);
+
+  const Points& pose() const { return pose_; }
+  int touching() const { return touching_; }     ///< pairs that press on each other
+  int vertex() const { return vertex_; }         ///< of the mesh, at the pair that presses most
+  bool converged() const { return converged_; }  ///< whether the path was followed to its end
+
+ private:
+  class Response;
+  /// The mesh, relative to the origin.
+  struct Around {
+    Points vertices;
+    Faces moving, resting;   // with a corner in the region, and all others
+    std::vector<int> local;  // per vertex: in the region, or -1
+  };
+  void make_surface(const std::vector<Points>& path, ThreadPool& pool);
+  Points whole(const Points& pose) const;
+  bool add(std::vector<Contact> contacts);
+  void update_contacts();
+  Points goal(const Points& plain);
+  Eigen::VectorXd pressures(const Eigen::VectorXd& missing, double stiffness) const;
+  bool limit(Points& next) const;
+  bool attempt(const Points& plain);
+  void yield();
+
+  std::shared_ptr<const RestPose> rest_;
+  Around around_;
+  std::unique_ptr<ContactSurface> surface_;
+  Eigen::AlignedBox3d box_;       // that the surface's resting faces meet
+  std::vector<int> mesh_vertex_;  // of the surface's vertices
+
+  // Of the last pose.
+  const LaplacianSystem* system_ = nullptr;
+  const EditConstraints* constraints_ = nullptr;
+  std::unique_ptr<Response> response_;
+  std::vector<Contact> contacts_;
+  Points pose_;
+  double step_ = 0;  // largest motion of a step of the path
+  int touching_ = 0, vertex_ = -1;
+  bool converged_ = true, blocked_ = false;
+};
+
+}  // namespace lapedit

@@ -1,0 +1,512 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/contact_search.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lapedit {
+namespace {
+
+using Corners = std::array<Vector3, 4>;
+
+/// Gap in mean edges, the part of a distance at rest, and the part of a gap that is never used up.
+constexpr double kGap = 0.3, kPartOfRest = 0.5, kLeast = 0.1;
+/// Faces per leaf, and in pieces of parallel work.
+constexpr int kLeaf = 4, kGrain = 1024, kTasks = 128;
+
+Vector3 row(const Points& points, int v) {
+  return points.row(v).transpose();
+}
+
+std::pair<int, int> ascending(int a, int b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// Sets the weights of the point of a triangle that is nearest to a point. Source: C. Ericson, Real-time collision
+/// detection, 2005, section 5.1.5.
+void nearest_on_face(const Corners& x, std::array<double, 4>& weights) {
+  const Vector3 &p = x[0], &a = x[1], &b = x[2], &c = x[3];
+  const Vector3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
+  const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+  double v = 0, w = 0;
+  if (d1 <= 0 && d2 <= 0) {
+  } else if (d3 >= 0 && d4 <= d3) {
+    v = 1;
+  } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    v = d1 / (d1 - d3);
+  } else if (d6 >= 0 && d5 <= d6) {
+    w = 1;
+  } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    w = d2 / (d2 - d6);
+  } else if (va <= 0 && d4 >= d3 && d5 >= d6) {
+    w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    v = 1 - w;
+  } else if (va + vb + vc > 0) {
+    v = vb / (va + vb + vc);
+    w = vc / (va + vb + vc);
+  }
+  weights = {1, v + w - 1, -v, -w};
+}
+
+/// The same for two segments (section 5.1.9).
+void nearest_of_edges(const Corners& x, std::array<double, 4>& weights) {
+  const Vector3 d1 = x[1] - x[0], d2 = x[3] - x[2], r = x[0] - x[2];
+  const double a = d1.squaredNorm(), e = d2.squaredNorm(), f = d2.dot(r), c = d1.dot(r), b = d1.dot(d2);
+  const double denominator = a * e - b * b;
+  const auto part = [](double numerator, double of) { return of > 0 ? std::clamp(numerator / of, 0.0, 1.0) : 0.0; };
+  double s = part(b * f - c * e, denominator);
+  double t = e > 0 ? (b * s + f) / e : 0;
+  if (t < 0 || t > 1) {
+    t = std::clamp(t, 0.0, 1.0);
+    s = part(t * b - c, a);
+  }
+  weights = {1 - s, s, t - 1, -t};
+}
+
+/// Sets the weights of nearest points. @return the vector between them
+Vector3 nearest(const Corners& x, bool edges, std::array<double, 4>& weights) {
+  edges ? nearest_of_edges(x, weights) : nearest_on_face(x, weights);
+  return weights[0] * x[0] + weights[1] * x[1] + weights[2] * x[2] + weights[3] * x[3];
+}
+
+Corners corners(const Contact& contact, const Points& at) {
+  return {row(at, contact.vertices[0]), row(at, contact.vertices[1]), row(at, contact.vertices[2]),
+          row(at, contact.vertices[3])};
+}
+
+double volume(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
+  return (b - a).cross(c - a).dot(d - a);
+}
+
+/// Returns whether a segment passes through a triangle.
+bool pierces(const Vector3& p, const Vector3& q, const std::array<Vector3, 3>& t) {
+  if (!(volume(t[0], t[1], t[2], p) * volume(t[0], t[1], t[2], q) < 0)) {
+    return false;
+  }
+  const double u = volume(p, q, t[0], t[1]), v = volume(p, q, t[1], t[2]), w = volume(p, q, t[2], t[0]);
+  return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
+}
+
+/// Returns whether two faces cross, at least one edge of one through the other. A common corner does not count.
+bool cross(const Points& at, const Eigen::Array3i& f, const Eigen::Array3i& g) {
+  const std::array<Vector3, 3> a = {row(at, f[0]), row(at, f[1]), row(at, f[2])};
+  const std::array<Vector3, 3> b = {row(at, g[0]), row(at, g[1]), row(at, g[2])};
+  const auto has = [](const Eigen::Array3i& face, int v) { return (face == v).any(); };
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3;
+    if ((!has(g, f[k]) && !has(g, f[next]) && pierces(a[k], a[next], b)) ||
+        (!has(f, g[k]) && !has(f, g[next]) && pierces(b[k], b[next], a))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Returns the part of a motion, 0 to 1, in which a contact keeps at least `thickness` and a tenth of what it has more
+/// at the beginning.
+double safe_part(const Contact& contact, const Corners& from, const Corners& to, double thickness) {
+  constexpr double kUsed = 0.9;
+  constexpr int kMostSteps = 200;
+  Corners x = from, d;
+  Vector3 mean = Vector3::Zero();
+  for (int k = 0; k < 4; ++k) {
+    mean += 0.25 * (to[k] - from[k]);
+  }
+  for (int k = 0; k < 4; ++k) {
+    d[k] = to[k] - from[k] - mean;
+  }
+  const std::array<double, 4> length = {d[0].norm(), d[1].norm(), d[2].norm(), d[3].norm()};
+  const double most = contact.edges ? std::max(length[0], length[1]) + std::max(length[2], length[3])
+                                    : length[0] + std::max({length[1], length[2], length[3]});
+  std::array<double, 4> weights;
+  double left = contact.distance - thickness, done = 0;
+  const double least = (1 - kUsed) * left;
+  for (int step = 0; step < kMostSteps && left > 0; ++step) {
+    const double next = kUsed * left / most;
+    if (done + next >= 1) {
+      return 1;
+    }
+    for (int k = 0; k < 4; ++k) {
+      x[k] += next * d[k];
+    }
+    left = nearest(x, contact.edges, weights).norm() - thickness;
+    if (done > 0 && left < least) {
+      return done;
+    }
+    done += next;
+  }
+  return done;
+}
+
+}  // namespace
+
+void ContactSurface::Bounds::add(const Bounds& other) {
+  low = low.min(other.low);
+  high = high.max(other.high);
+  least = least.min(other.least);
+  most = most.max(other.most);
+  normal_low = normal_low.min(other.normal_low);
+  normal_high = normal_high.max(other.normal_high);
+}
+
+/// Connected components of sets of faces.
+class ContactSurface::Patches {
+ public:
+  explicit Patches(Eigen::Index vertices) : parent_(static_cast<std::size_t>(vertices)) {}
+
+  /// Returns whether the faces are connected. O(faces)
+  bool connected(const Faces& faces, const std::vector<int>& order, int first, int last) {
+    join(faces, order, first, last);
+    const int root = find(faces(order[first], 0));
+    return std::all_of(order.begin() + first, order.begin() + last, [&](int f) { return find(faces(f, 0)) == root; });
+  }
+  void join(const Faces& faces, const std::vector<int>& order, int first, int last) {
+    for (int k = first; k < last; ++k) {
+      for (const int v : faces.row(order[k])) {
+        parent_[v] = v;
+      }
+    }
+    for (int k = first; k < last; ++k) {
+      const auto face = faces.row(order[k]);
+      parent_[find(face[1])] = find(face[0]);
+      parent_[find(face[2])] = find(face[0]);
+    }
+  }
+  int find(int v) {
+    while (parent_[v] != v) {
+      v = parent_[v] = parent_[parent_[v]];
+    }
+    return v;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+ContactSurface::ContactSurface(Points rest, Faces faces, int moving_vertices, ThreadPool& pool)
+    : rest_(std::move(rest)) {
+  const auto count = static_cast<int>(faces.rows());
+  Points centres(count, 3);
+  double length = 0;
+  for (int f = 0; f < count; ++f) {
+    centres.row(f) = (rest_.row(faces(f, 0)) + rest_.row(faces(f, 1)) + rest_.row(faces(f, 2))) / 3;
+    if ((faces.row(f).array() < moving_vertices).any()) {
+      moving_faces_ = f + 1;
+      length += (rest_.row(faces(f, 0)) - rest_.row(faces(f, 1))).norm();
+    }
+  }
+  gap_ = kGap * length / std::max(moving_faces_, 1);
+  order_.resize(static_cast<std::size_t>(count));
+  std::iota(order_.begin(), order_.end(), 0);
+  faces_ = std::move(faces);
+  Patches patches(rest_.rows());
+  for (const auto& [first, last] : {std::pair(0, moving_faces_), std::pair(moving_faces_, count)}) {
+    roots_.push_back(first < last ? build(first, last, centres, patches) : -1);
+  }
+  const Faces given = faces_;
+  piece_.resize(static_cast<std::size_t>(count));
+  patches.join(given, order_, 0, count);
+  for (int k = 0; k < count; ++k) {
+    faces_.row(k) = given.row(order_[k]);
+    piece_[k] = patches.find(faces_(k, 0));
+  }
+  // The first face with a corner or an edge stands for it.
+  owned_.assign(static_cast<std::size_t>(count), 0);
+  std::vector<std::vector<int>> seen(static_cast<std::size_t>(rest_.rows()));  // ends of edges, by their lower vertex
+  std::vector<char> has_owner(static_cast<std::size_t>(rest_.rows()), 0);
+  for (int f = 0; f < count; ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const auto [a, b] = ascending(faces_(f, k), faces_(f, (k + 1) % 3));
+      const int corner = faces_(f, k);
+      owned_[f] |= static_cast<unsigned char>((has_owner[corner] ? 0 : 1) << k);
+      has_owner[corner] = 1;
+      if (std::find(seen[a].begin(), seen[a].end(), b) == seen[a].end()) {
+        seen[a].push_back(b);
+        owned_[f] |= static_cast<unsigned char>(8 << k);
+      }
+    }
+  }
+  face_bounds_.resize(static_cast<std::size_t>(count));
+  node_bounds_.resize(nodes_.size());
+  find_crossings(pool);
+}
+
+int ContactSurface::build(int first, int last, const Points& centres, Patches& patches) {
+  checkpoint(last - first);
+  const auto node = static_cast<int>(nodes_.size());
+  constexpr int kLargestPatch = 512;  // larger ones are hardly ever smooth
+  nodes_.push_back({first, last, -1, last - first <= kLargestPatch && patches.connected(faces_, order_, first, last)});
+  if (last - first > kLeaf) {
+    Eigen::AlignedBox3d box;
+    for (int k = first; k < last; ++k) {
+      box.extend(row(centres, order_[k]));
+    }
+    int axis = 0;
+    box.sizes().maxCoeff(&axis);
+    const int middle = (first + last) / 2;
+    std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+                     [&](int f, int g) { return std::pair(centres(f, axis), f) < std::pair(centres(g, axis), g); });
+    build(first, middle, centres, patches);
+    const int right = build(middle, last, centres, patches);
+    nodes_[node].right = right;
+  }
+  return node;
+}
+
+void ContactSurface::bound(const Points& from, const Points& to, ThreadPool& pool) {
+  const bool all = !resting_bounded_ && roots_[1] >= 0;
+  resting_bounded_ = true;
+  in_pieces(pool, all ? static_cast<int>(faces_.rows()) : moving_faces_, kGrain, [&](int first, int last) {
+    for (int f = first; f < last; ++f) {
+      Bounds& bounds = face_bounds_[f];
+      std::array<Vector3, 3> a, b;
+      for (int k = 0; k < 3; ++k) {
+        a[k] = row(from, faces_(f, k));
+        b[k] = row(to, faces_(f, k));
+      }
+      const Eigen::Array3d d0 = b[0] - a[0], d1 = b[1] - a[1], d2 = b[2] - a[2];
+      bounds.low = a[0].cwiseMin(a[1]).cwiseMin(a[2]).array();
+      bounds.high = a[0].cwiseMax(a[1]).cwiseMax(a[2]).array();
+      bounds.least = d0.min(d1).min(d2);
+      bounds.most = d0.max(d1).max(d2);
+      const Vector3 before = (a[1] - a[0]).cross(a[2] - a[0]).normalized();
+      const Vector3 after = (b[1] - b[0]).cross(b[2] - b[0]).normalized();
+      bounds.normal_low = before.cwiseMin(after).array();
+      bounds.normal_high = before.cwiseMax(after).array();
+    }
+  });
+  for (int n = (all || roots_[1] < 0 ? static_cast<int>(nodes_.size()) : roots_[1]) - 1; n >= 0; --n) {
+    const Node& node = nodes_[n];
+    if (node.right < 0) {
+      node_bounds_[n] = face_bounds_[node.first];
+      for (int f = node.first + 1; f < node.last; ++f) {
+        node_bounds_[n].add(face_bounds_[f]);
+      }
+    } else {
+      node_bounds_[n] = node_bounds_[n + 1];
+      node_bounds_[n].add(node_bounds_[node.right]);
+    }
+  }
+}
+
+/// Returns whether boxes come nearer than a gap in the motion of one relative to the other.
+bool ContactSurface::may_touch(const Bounds& a, const Bounds& b) const {
+  const Eigen::Array3d least = (a.least - b.most).min(0), most = (a.most - b.least).max(0);
+  return (a.low + least <= b.high + gap_).all() && (a.high + most >= b.low - gap_).all();
+}
+
+/// Returns whether a node is a connected patch whose normals are within a cone, before and after the motion.
+bool ContactSurface::is_smooth(int node) const {
+  constexpr double kCosine = 0.25;
+  const Bounds& bounds = node_bounds_[node];
+  const Eigen::Array3d axis = bounds.normal_low + bounds.normal_high;
+  const double length = axis.matrix().norm();
+  return nodes_[node].connected && (axis * bounds.normal_low).min(axis * bounds.normal_high).sum() > kCosine * length;
+}
+
+bool ContactSurface::is_exempt(int f, int g) const {
+  return piece_[f] == piece_[g]
+             ? crosses_[f] && crosses_[g]
+             : std::binary_search(crossing_pieces_.begin(), crossing_pieces_.end(), ascending(piece_[f], piece_[g]));
+}
+
+/// Returns whether two faces with a common corner are not folded onto each other, or faces without one are too far
+/// apart.
+bool ContactSurface::are_apart(int f, int g) const {
+  constexpr double kCosine = 0.5;
+  const Bounds &a = face_bounds_[f], &b = face_bounds_[g];
+  if (!may_touch(a, b)) {
+    return true;
+  }
+  for (const int v : faces_.row(f)) {
+    if ((faces_.row(g).array() == v).any()) {
+      const Eigen::Array3d one = a.normal_low + a.normal_high, other = b.normal_low + b.normal_high;
+      return (one * other).sum() > kCosine * one.matrix().norm() * other.matrix().norm();
+    }
+  }
+  return false;
+}
+
+/// Calls visit(f, g, found) for all pairs of faces that may touch, of which at least one moves. @return what was found,
+/// in an order that does not depend on threads
+template <class Found, class Visit>
+std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visit) const {
+  using Pair = std::pair<int, int>;
+  std::vector<Pair> tasks;
+  const auto split = [this](Pair pair, std::vector<Pair>& open) {
+    const auto [a, b] = pair;
+    if (a == b) {
+      if (!is_smooth(a)) {
+        open.insert(open.end(), {{a + 1, a + 1}, {nodes_[a].right, nodes_[a].right}, {a + 1, nodes_[a].right}});
+      }
+    } else if (may_touch(node_bounds_[a], node_bounds_[b])) {
+      const bool first = nodes_[a].right >= 0 &&
+                         (nodes_[b].right < 0 || nodes_[a].last - nodes_[a].first >= nodes_[b].last - nodes_[b].first);
+      if (first) {
+        open.insert(open.end(), {{a + 1, b}, {nodes_[a].right, b}});
+      } else {
+        open.insert(open.end(), {{a, b + 1}, {a, nodes_[b].right}});
+      }
+    }
+  };
+  const auto is_leaf = [this](Pair pair) { return nodes_[pair.first].right < 0 && nodes_[pair.second].right < 0; };
+  tasks.push_back({roots_[0], roots_[0]});
+  if (roots_[1] >= 0) {
+    tasks.push_back({roots_[0], roots_[1]});
+  }
+  for (std::size_t before = 0; tasks.size() < kTasks && tasks.size() != before;) {
+    before = tasks.size();
+    std::vector<Pair> next;
+    for (const Pair& pair : tasks) {
+      is_leaf(pair) ? next.push_back(pair) : split(pair, next);
+    }
+    tasks.swap(next);
+  }
+  std::vector<std::vector<Found>> found(tasks.size());
+  pool.each(static_cast<int>(tasks.size()), [&](int task) {
+    std::vector<Pair> open = {tasks[static_cast<std::size_t>(task)]};
+    Checkpoints checkpoints;
+    while (!open.empty()) {
+      const Pair pair = open.back();
+      open.pop_back();
+      checkpoints();
+      if (!is_leaf(pair)) {
+        split(pair, open);
+      } else if (pair.first == pair.second ? !is_smooth(pair.first)
+                                           : may_touch(node_bounds_[pair.first], node_bounds_[pair.second])) {
+        for (int f = nodes_[pair.first].first; f < nodes_[pair.first].last; ++f) {
+          for (int g = pair.first == pair.second ? f + 1 : nodes_[pair.second].first; g < nodes_[pair.second].last;
+               ++g) {
+            if (!are_apart(f, g) && !is_exempt(f, g)) {
+              visit(f, g, found[static_cast<std::size_t>(task)]);
+            }
+          }
+        }
+      }
+    }
+  });
+  std::vector<Found> all;
+  for (const std::vector<Found>& some : found) {
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+/// Calls pair(contact) for the vertices and faces, and the edges, that two faces stand for, without common vertices.
+template <class Pair>
+void ContactSurface::each_feature(int f, int g, const Pair& pair) const {
+  const auto a = faces_.row(f), b = faces_.row(g);
+  const auto vertices = [&](int owner, const auto& mine, const auto& others) {
+    for (int k = 0; k < 3; ++k) {
+      if ((owned_[owner] >> k & 1) && !(others.array() == mine[k]).any()) {
+        pair({{mine[k], others[0], others[1], others[2]}});
+      }
+    }
+  };
+  vertices(f, a, b);
+  vertices(g, b, a);
+  for (int k = 0; k < 3; ++k) {
+    for (int l = 0; l < 3; ++l) {
+      const int p = a[k], q = a[(k + 1) % 3], r = b[l], s = b[(l + 1) % 3];
+      if ((owned_[f] >> (3 + k) & 1) && (owned_[g] >> (3 + l) & 1) && p != r && p != s && q != r && q != s) {
+        pair({{p, q, r, s}, true});
+      }
+    }
+  }
+}
+
+double ContactSurface::gap_of(const Contact& contact) const {
+  std::array<double, 4> weights;
+  return std::min(gap_, kPartOfRest * nearest(corners(contact, rest_), contact.edges, weights).norm());
+}
+
+bool ContactSurface::update(Contact& contact, const Points& at) {
+  contact.normal = nearest(corners(contact, at), contact.edges, contact.weights);
+  contact.distance = contact.normal.norm();
+  contact.normal /= contact.distance > 0 ? contact.distance : 1;
+  return contact.distance > 0;
+}
+
+void ContactSurface::find_crossings(ThreadPool& pool) {
+  crosses_.assign(static_cast<std::size_t>(faces_.rows()), 0);
+  bound(rest_, rest_, pool);
+  const auto found = each_pair<std::pair<int, int>>(pool, [&](int f, int g, auto& pairs) {
+    if (cross(rest_, faces_.row(f).transpose(), faces_.row(g).transpose())) {
+      pairs.push_back({f, g});
+    }
+  });
+  std::vector<char> at(static_cast<std::size_t>(rest_.rows()), 0);
+  for (const auto& [f, g] : found) {
+    if (piece_[f] != piece_[g]) {
+      crossing_pieces_.push_back(ascending(piece_[f], piece_[g]));
+      continue;
+    }
+    for (int k = 0; k < 3; ++k) {
+      at[faces_(f, k)] = at[faces_(g, k)] = 1;
+    }
+  }
+  std::sort(crossing_pieces_.begin(), crossing_pieces_.end());
+  for (int f = 0; f < faces_.rows(); ++f) {
+    crosses_[f] = at[faces_(f, 0)] || at[faces_(f, 1)] || at[faces_(f, 2)] ? 1 : 0;
+  }
+}
+
+bool ContactSurface::is_clear(const Points& at, ThreadPool& pool) {
+  bound(at, at, pool);
+  std::atomic<bool> clear{true};
+  each_pair<char>(pool, [&](int f, int g, auto&) {
+    if (clear && cross(at, faces_.row(f).transpose(), faces_.row(g).transpose())) {
+      clear = false;
+    }
+  });
+  return clear;
+}
+
+Sweep ContactSurface::sweep(const Points& from, const Points& to, ThreadPool& pool) {
+  bound(from, to, pool);
+  Sweep sweep;
+  sweep.contacts = each_pair<Contact>(pool, [&](int f, int g, std::vector<Contact>& found) {
+    each_feature(f, g, [&](Contact contact) {
+      const Corners before = corners(contact, from);
+      const double distance = nearest(before, contact.edges, contact.weights).norm();
+      double most = 0, other = 0;
+      const Corners after = corners(contact, to);
+      const Vector3 with = after[0] - before[0];
+      for (int k = 1; k < 4; ++k) {
+        most = std::max(most, (after[k] - before[k] - with).norm());
+      }
+      other = contact.edges ? most : 0;
+      if (distance - most - other >= gap_) {
+        return;
+      }
+      contact.gap = gap_of(contact);
+      contact.distance = distance;
+      if (!(contact.gap > 0) || distance - most - other >= contact.gap) {
+        return;
+      }
+      const double safe = safe_part(contact, before, after, std::min(kLeast * contact.gap, 0.5 * distance));
+      const double at = distance < contact.gap ? 0 : safe;
+      Corners x;
+      for (int k = 0; k < 4; ++k) {
+        x[k] = before[k] + at * (after[k] - before[k]);
+      }
+      contact.normal = nearest(x, contact.edges, contact.weights);
+      contact.distance = contact.normal.norm();
+      if (contact.distance > 0 && (safe < 1 || contact.distance < contact.gap)) {
+        contact.normal /= contact.distance;
+        contact.safe = safe;
+        found.push_back(contact);
+      }
+    });
+  });
+  for (const Contact& contact : sweep.contacts) {
+    sweep.safe = std::min(sweep.safe, contact.safe);
+  }
+  return sweep;
+}
+
+}  // namespace lapedit

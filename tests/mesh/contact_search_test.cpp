@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit/mesh/contact_search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "shapes.h"
+
+namespace lapedit::contact_search_test {
+namespace {
+
+/// Two square plates of 12 x 12 edges, the second above the first by `height`, on its side by `shift`.
+TriangleMesh plates(double height, double shift = 0.3) {
+  const TriangleMesh plate = shapes::grid(12, 12);
+  return shapes::together(plate, plate, {shift, 0.2, height});
+}
+
+/// All vertices move, or only the second plate.
+ContactSurface surface(const TriangleMesh& mesh, ThreadPool& pool) {
+  return ContactSurface(mesh.vertices, mesh.faces, static_cast<int>(mesh.vertices.rows()), pool);
+}
+
+Points lowered(const TriangleMesh& mesh, double by) {
+  Points to = mesh.vertices;
+  const Eigen::Index half = to.rows() / 2;
+  to.bottomRows(half).col(2).array() -= by;
+  return to;
+}
+
+TEST(ContactSearch, SweepIsSafeUntilPlatesTouch) {
+  const TriangleMesh mesh = plates(1);
+  ThreadPool pool(2);
+  ContactSurface plates = surface(mesh, pool);
+  EXPECT_EQ(plates.sweep(mesh.vertices, lowered(mesh, 0.5), pool).safe, 1);
+  for (const double by : {1.001, 2.0, 50.0}) {
+    const Sweep sweep = plates.sweep(mesh.vertices, lowered(mesh, by), pool);
+    EXPECT_LT(sweep.safe * by, 1);
+    EXPECT_GT(sweep.safe * by, 0.8);  // a tenth of the distance, and of a gap, is kept
+    ASSERT_FALSE(sweep.contacts.empty());
+    for (const Contact& contact : sweep.contacts) {
+      EXPECT_GT(contact.safe > sweep.safe ? 1 : std::abs(contact.normal[2]), 0.9);
+      EXPECT_NEAR(contact.weights[0] + contact.weights[1] + contact.weights[2] + contact.weights[3], 0, 1e-12);
+      EXPECT_GT(contact.gap, 0);
+    }
+  }
+}
+
+TEST(ContactSearch, DoesNotDependOnThreads) {
+  const TriangleMesh mesh = plates(0.4);
+  ThreadPool one(1), three(3);
+  ContactSurface a = surface(mesh, one), b = surface(mesh, three);
+  const Sweep first = a.sweep(mesh.vertices, lowered(mesh, 0.7), one);
+  const Sweep second = b.sweep(mesh.vertices, lowered(mesh, 0.7), three);
+  EXPECT_EQ(first.safe, second.safe);
+  ASSERT_EQ(first.contacts.size(), second.contacts.size());
+  for (std::size_t k = 0; k < first.contacts.size(); ++k) {
+    EXPECT_EQ(first.contacts[k].vertices, second.contacts[k].vertices);
+    EXPECT_EQ(first.contacts[k].normal, second.contacts[k].normal);
+  }
+}
+
+TEST(ContactSearch, FindsCrossingsThatAreNotThereAtRest) {
+  const TriangleMesh apart = plates(0.4);
+  ThreadPool pool(2);
+  ContactSurface plates = surface(apart, pool);
+  EXPECT_TRUE(plates.is_clear(apart.vertices, pool));
+  Points tilted = lowered(apart, 0.4);
+  const Eigen::Index half = tilted.rows() / 2;
+  tilted.bottomRows(half).col(2) += 0.2 * (tilted.bottomRows(half).col(0).array() - 6).matrix();
+  EXPECT_FALSE(plates.is_clear(tilted, pool));
+  // The same place as rest: the pieces may cross.
+  ContactSurface crossing = surface({tilted, apart.faces}, pool);
+  EXPECT_TRUE(crossing.is_clear(tilted, pool));
+  EXPECT_EQ(crossing.sweep(tilted, lowered({tilted, apart.faces}, 3), pool).safe, 1);
+}
+
+TEST(ContactSearch, SeesAFoldInOnePiece) {
+  const TriangleMesh plate = shapes::grid(12, 24);
+  ThreadPool pool(2);
+  ContactSurface folding = surface(plate, pool);
+  Points bent = plate.vertices, folded = plate.vertices;
+  for (Eigen::Index v = 0; v < bent.rows(); ++v) {
+    const double beyond = std::max(0.0, plate.vertices(v, 0) - 6);
+    bent(v, 2) = beyond;
+    folded(v, 0) -= 1.9 * beyond;
+    folded(v, 1) += 0.1 * beyond;
+    folded(v, 2) = beyond > 0 ? 0.05 * beyond - 0.1 : 0;
+  }
+  EXPECT_TRUE(folding.is_clear(bent, pool));
+  EXPECT_EQ(folding.sweep(plate.vertices, bent, pool).safe, 1);
+  EXPECT_FALSE(folding.is_clear(folded, pool));
+}
+
+}  // namespace
+}  // namespace lapedit::contact_search_test

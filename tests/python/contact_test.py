@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edits that stop at contact: after them IPC Toolkit finds no intersection. Run by run.sh with the package.
+
+Environment:
+  LAPEDIT_MAKE_MESH  the program that generates the meshes
+"""
+import functools
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import ipctk
+import numpy
+import trimesh
+
+from laplacian_edit import EditRefused, edit
+
+
+
+@functools.lru_cache(None)
+def mesh(name):
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder, "mesh.ply")
+        subprocess.run([os.environ["LAPEDIT_MAKE_MESH"], name, str(path)], check=True, stdout=subprocess.DEVNULL)
+        loaded = trimesh.load(path, process=False)
+    return numpy.array(loaded.vertices), numpy.array(loaded.faces)
+
+
+def grid(rows, columns, place):
+    """A grid of faces, with place(u, v) for u and v from 0 to 1."""
+    u, v = (a.ravel() for a in numpy.meshgrid(numpy.linspace(0, 1, rows), numpy.linspace(0, 1, columns), indexing="ij"))
+    corner = (numpy.arange(rows - 1)[:, None] * columns + numpy.arange(columns - 1)).ravel()
+    faces = numpy.concatenate([numpy.stack([corner, corner + 1, corner + columns], 1),
+                               numpy.stack([corner + 1, corner + columns + 1, corner + columns], 1)])
+    return numpy.stack(place(u, v), 1), faces
+
+
+def tube(rows, columns, radius, low, high):
+    """An open tube along y whose sides are joined."""
+    points, faces = grid(rows, columns + 1, lambda u, v: (radius * numpy.sin(2 * numpy.pi * v), low + (high - low) * u,
+                                                         radius * numpy.cos(2 * numpy.pi * v)))
+    keep = numpy.arange(len(points)) % (columns + 1) < columns
+    number = numpy.cumsum(keep) - 1
+    number[~keep] = number[numpy.arange(len(points))[~keep] - columns]
+    return points[keep], number[faces]
+
+
+def both(*parts):
+    counts = numpy.cumsum([0] + [len(points) for points, _ in parts])
+    return numpy.concatenate([p for p, _ in parts]), numpy.concatenate([f + n for (_, f), n in zip(parts, counts)])
+
+
+def near(points, *place, radius):
+    return numpy.flatnonzero(numpy.linalg.norm(points - place, axis=1) < radius)
+
+
+def where(condition):
+    return numpy.flatnonzero(condition)
+
+
+def turned(vertices, axis, degrees, center, **more):
+    return {"vertices": vertices, "rotation": {"axis": axis, "degrees": degrees, "center": center}, **more}
+
+
+def crosses(points, faces):
+    """Whether an edge passes through a face, by IPC Toolkit."""
+    edges = ipctk.edges(faces)
+    return ipctk.has_intersections(ipctk.CollisionMesh(points, edges, faces), numpy.asarray(points, float))
+
+
+def fingers():
+    points, faces = mesh("hand")
+    tip = near(points, 0.05, 1.6, 0, radius=0.2)
+    return points, faces, {"region": {"radius": 1.2}, "handles": [{"vertices": tip, "translation": [0.35, -0.1, 0]}]}
+
+
+def hand_on_thigh():
+    points, faces = mesh("person")
+    hand = near(points, 1.08, -0.4, 0.1, radius=0.25)
+    return points, faces, {"region": {"radius": 1.4}, "handles": [turned(hand, [0, 0, 1], -55, [0.4, 0.8, 0])]}
+
+
+def arm_through_body():
+    points, faces = mesh("person")
+    hand = near(points, 1.08, -0.4, 0.1, radius=0.25)
+    return points, faces, {"region": {"radius": 1.3}, "handles": [{"vertices": hand, "translation": [-1.3, 0.3, 0.05]}]}
+
+
+def elbow():
+    points, faces = tube(140, 40, 0.3, -2, 2)
+    upper, fore = where(points[:, 1] < -0.5), where(points[:, 1] > 0.5)
+    return points, faces, {"region": {"component": True}, "handles": [{"vertices": upper}, turned(fore, [0, 0, 1], 150, [0, 0, 0])]}
+
+
+def coil():
+    points, faces = tube(200, 16, 0.1, 0, 4)
+    low, high = where(points[:, 1] < 0.3), where(points[:, 1] > 3.7)
+    return points, faces, {"region": {"component": True}, "handles": [{"vertices": low}, turned(high, [0, 0, 1], 360, [0, 3.85, 0], translation=[0.05, -3.6, 0])]}
+
+
+def ear():
+    points, faces = mesh("creature")
+    tip = near(points, 1.2, 1.2, 0.62, radius=0.15)
+    return points, faces, {"region": {"radius": 0.5}, "handles": [{"vertices": tip, "translation": [0.05, -0.25, -0.45]}]}
+
+
+def nose():
+    points, faces = mesh("coarse_head")
+    tip = near(points, 0, -0.13, 1.2, radius=0.12)
+    return points, faces, {"region": {"radius": 0.6}, "handles": [{"vertices": tip, "translation": [0.1, -0.45, -0.35]}]}
+
+
+def sheet():
+    points, faces = grid(60, 40, lambda u, v: (3 * u, 2 * v, 0.02 * numpy.sin(20 * u) * numpy.sin(15 * v)))
+    left, right = where(points[:, 0] < 0.6), where(points[:, 0] > 2.4)
+    return points, faces, {"region": {"component": True}, "handles": [{"vertices": left}, turned(right, [0, 1, 0], -186, [1.5, 0, 0])]}
+
+
+def squashed():
+    points, faces = tube(80, 36, 0.4, -1.2, 1.2)
+    low, high = where(points[:, 1] < -1), where(points[:, 1] > 1)
+    return points, faces, {"region": {"component": True}, "handles": [{"vertices": low}, {"vertices": high, "translation": [0, -1.7, 0]}]}
+
+
+def sleeve():
+    points, faces = both(tube(80, 24, 0.25, -2, 2), tube(50, 40, 0.4, -1.2, 0.8))
+    cuff = where((numpy.arange(len(points)) >= 80 * 24) & (points[:, 1] > 0.6))
+    held = where((numpy.arange(len(points)) >= 80 * 24) & (points[:, 1] < -1))
+    return points, faces, {"region": {"component": True}, "handles": [{"vertices": held}, {"vertices": cuff, "translation": [0.45, 0, 0]}]}
+
+
+def thumb():
+    points, faces = mesh("hand")
+    side = points[:, 0].argmax() if points[:, 0].max() > -points[:, 0].min() else points[:, 0].argmin()
+    tip = near(points, *points[side], radius=0.2)
+    return points, faces, {"region": {"radius": 1.1}, "handles": [{"vertices": tip, "translation": list(0.9 * (numpy.array([0.05, 0.6, 0.3]) - points[side]))}]}
+
+
+def horn():
+    points, faces = mesh("creature")
+    tip = near(points, 1.28, 1.95, 0.3, radius=0.15)
+    return points, faces, {"region": {"radius": 1}, "handles": [{"vertices": tip, "translation": [0, -0.5, -0.75]}]}
+
+
+CASES = [fingers, hand_on_thigh, arm_through_body, elbow, coil, ear, nose, sheet, squashed, sleeve, thumb, horn]
+
+
+def both_ways(case):
+    points, faces, step = case()
+    plain = edit(points, faces, {"steps": [step]})
+    return points, faces, step, plain, edit(points, faces, {"steps": [{**step, "contact": True}]})
+
+
+class Contact(unittest.TestCase):
+    def test_nothing_crosses(self):
+        for case in CASES:
+            with self.subTest(case.__name__):
+                points, faces, _, plain, stopped = both_ways(case)
+                self.assertFalse(crosses(points, faces))
+                self.assertTrue(crosses(plain[0], faces))
+                self.assertFalse(crosses(stopped[0], faces))
+                self.assertFalse(crosses(stopped[0].astype(numpy.float32), faces))
+
+
+    def test_the_report_says_what_stopped(self):
+        points, faces, step, plain, stopped = both_ways(sleeve)
+        report = stopped.report["steps"][0]
+        group = step["handles"][1]
+        missed = numpy.linalg.norm((points + group["translation"] - stopped.vertices)[group["vertices"]].mean(axis=0))
+        self.assertIn(f"group 1 stops {missed:.3g} before its target, at vertex", report["stopped"])
+        self.assertIn("would cross", report["advice"])
+        self.assertTrue(report["converged"])
+        self.assertGreater(report["contacts"], 0)
+        self.assertIsNone(plain.report["steps"][0]["contacts"])
+
+    def test_what_is_far_from_contact_stays(self):
+        points, faces, step, plain, stopped = both_ways(nose)
+        moved = numpy.linalg.norm(stopped.vertices - plain.vertices, axis=1)
+        largest = numpy.linalg.norm(plain.vertices - points, axis=1).max()
+        touching = points[numpy.flatnonzero(moved > 0.1 * moved.max())]
+        away = numpy.array([numpy.linalg.norm(touching - point, axis=1).min() > 0.25 for point in points])
+        self.assertGreater(moved.max(), 0.02 * largest)
+        self.assertLess(moved[away].max(), 0.02 * largest)
+
+    def test_a_piece_that_moves_as_a_whole_stops(self):
+        points, faces, step = sleeve()
+        step["handles"] = step["handles"][1:]
+        self.assertTrue(crosses(edit(points, faces, {"steps": [step]}).vertices, faces))
+        stopped = edit(points, faces, {"steps": [{**step, "contact": True}]})
+        self.assertFalse(crosses(stopped.vertices, faces))
+        moved = (stopped.vertices - points)[80 * 24:, 0]
+        self.assertGreater(moved.min(), 0.1)
+        self.assertLess(moved.max(), 0.16)
+
+    def test_pieces_that_cross_at_rest_stay_free(self):
+        points, faces = both(tube(80, 24, 0.25, -2, 2), tube(50, 40, 0.3, -1.2, 0.8))
+        points[80 * 24:] = points[80 * 24:] @ [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+        self.assertTrue(crosses(points, faces))
+        low, high = where(points[:, 1] < -1.6), where(points[:, 1] > 1.6)
+        step = {"region": {"component": True}, "handles": [{"vertices": low}, turned(high, [1, 0, 0], 40, [0, 1.6, 0])]}
+        plain, free = (edit(points, faces, {"steps": [{**step, **more}]}) for more in ({}, {"contact": True}))
+        self.assertEqual(plain.vertices.tobytes(), free.vertices.tobytes())
+
+    def test_a_mirrored_edit_stays_symmetric(self):
+        points, faces, step = ear()
+        mirror = {"point": [0, 0, 0], "normal": [0, 0, 1]}
+        both_ears = edit(points, faces, {"steps": [{**step, "mirror": mirror, "contact": True}]}).vertices
+        self.assertFalse(crosses(both_ears, faces))
+        image = both_ears * [1, 1, -1]
+        self.assertLess(max(numpy.linalg.norm(both_ears - point, axis=1).min() for point in image[::50]), 0.02)
+
+    def test_only_the_default_method_has_it(self):
+        points, faces, step = sheet()
+        with self.assertRaisesRegex(EditRefused, "contact: has no meaning with the method linear"):
+            edit(points, faces, {"steps": [{**step, "method": "linear", "contact": True}]})
+
+
+if __name__ == "__main__":
+    unittest.main()
