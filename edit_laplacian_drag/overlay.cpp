@@ -27,6 +27,25 @@ void drawMotion(const DragSession& session, double pixelRatio) {
   }
 }
 
+/// Draws a line from the active handle's target to where contact stops it.
+void drawStop(const DragSession& session, double pixelRatio) {
+  constexpr double kVisible = 0.02;  // of the radius
+  const ShownRegion& shown = session.shown();
+  const Affine map = session.active_map();
+  Vector3 target = Vector3::Zero(), stop = Vector3::Zero();
+  int count = 0;
+  for (int i = 0; i < shown.pose().rows(); ++i) {
+    if (shown.region()->group[i] == session.selection().active) {
+      target += map * Vector3(session.mesh().vertices.row(shown.region()->mesh_vertex[i]));
+      stop += shown.pose().row(i).transpose();
+      ++count;
+    }
+  }
+  if ((target - stop).norm() > kVisible * count * session.settings().radius) {
+    pen::rimmed(pen::kOrange, 2, pixelRatio, [&] { pen::line<Vector3>(target / count, stop / count); });
+  }
+}
+
 /// Draws the pivot if no gizmo shows it.
 void drawPivot(const DragSession& session, const Camera& view, double pixelRatio) {
   if (session.tools().pivot == Pivot::Centroid || session.selection().active < 0 || session.tools().gizmo ||
@@ -174,6 +193,9 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   glDisable(GL_DEPTH_TEST);
   if (session.motion()) {
     drawMotion(session, ratio);
+    if (session.settings().edit.contact && session.shown().region()) {
+      drawStop(session, ratio);
+    }
   }
   if (view.valid()) {
     const pen::InPixels pixels(options.width, options.height);
