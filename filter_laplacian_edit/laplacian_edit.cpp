@@ -76,8 +76,9 @@ std::vector<Parameter> parameters() {
       {Kind::Real, "scale", transform.scale, "Scale",
        "Factor by which the handle grows about its centroid; greater than 0."},
   };
-  list.push_back(parameterOf(kMethod, Kind::Choice, 0,
-                             " Default, stop at contact: the result crosses neither itself nor the surface around it."));
+  list.push_back(
+      parameterOf(kMethod, Kind::Choice, 0,
+                  " Default, stop at contact: the result crosses neither itself nor the surface around it."));
   list.back().choices.append("Default, stop at contact");
   list.push_back(parameterOf(kLaplacian, Kind::Choice, kLaplacianOfMethod));
   list.back().choices.prepend("Default of the method");

@@ -17,6 +17,7 @@
 #include "peers.h"
 #include "quality_edits.h"
 #include "quality_files.h"
+#include "quality_remeshing.h"
 #include "quality_scene.h"
 
 namespace quality {
@@ -28,6 +29,7 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
                         adds these settings, by the keys of JSON, under a name; what is not named is as by default
   --only A,B            only these methods
   --blender             Blender's Laplacian Deform too
+  --remeshed            instead of figures: the change of each edit when the surface is triangulated anew
   --threads N           ours; 0, the default: as many as the machine has
   --repeat N            best times of so many runs (2)
   --json FILE           all figures
@@ -38,7 +40,7 @@ constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
 struct Options {
   std::map<std::string, std::string> values = {{"--edits", ""},   {"--only", ""}, {"--ours", ""}, {"--threads", "0"},
                                                {"--repeat", "2"}, {"--json", ""}, {"--out", ""}};
-  std::map<std::string, bool> flags = {{"--blender", false}};
+  std::map<std::string, bool> flags = {{"--blender", false}, {"--remeshed", false}};
   std::vector<std::pair<std::string, std::string>> ours;  ///< settings with their names
   int threads = 0, repeat = 2;
 
@@ -212,6 +214,10 @@ int run(int argc, char** argv) {
   const std::vector<Method> methods = make_methods(options);
   const std::vector<const NamedEdit*> chosen = chosen_edits(options);
   const std::string& out = options.value("--out");
+  if (options.has("--remeshed")) {
+    print_remeshed(chosen, methods);
+    return 0;
+  }
   nlohmann::ordered_json json;
   for (const NamedEdit* named : chosen) {
     const Scene scene(named->make());

@@ -30,6 +30,9 @@ EditMethod method_with(const Setting& setting) {
 
 TEST(EditSettings, EverySettingIsRefusedOutsideItsRangeOnly) {
   for (const Setting& setting : settings_table()) {
+    if (setting.kind == Setting::Kind::Switch) {
+      continue;  // any number is on or off
+    }
     if (std::string(setting.key) == "method") {
       continue;  // setting it sets all others
     }

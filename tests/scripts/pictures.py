@@ -5,7 +5,7 @@
 usage: pictures.py [--columns N] [--height PIXELS] [NAME]...
 
 It builds what it needs in build/, and writes to build/pictures/. Names: figure1, figure2, figure4 to figure8 and table1 of
-common/docs/paper.md; cells and surface of method.md; the edits below, whose table is in peers.md: all by default. It needs
+common/docs/paper.md; cells and surface of method.md; contact of peers.md; the edits below, whose table is in peers.md: all by default. It needs
 xvfb-run and python3-vtk9. LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 """
 import argparse
@@ -187,6 +187,22 @@ def surface():
     render("surface", panels, {"toward": (0.25, -0.6, 0.75), "up": (0, 0, 1)}, 4)
 
 
+def contact():
+    """A finger beside another one, a hand on a thigh, and a tube bent by 150 degrees, without and with contact."""
+    hand, person = Mesh("hand"), Mesh("person")
+    tube = strip("elbow.ply", 41, 140, lambda u, v: (0.3 * math.sin(2 * math.pi * (u % 1)), 4 * v - 2, 0.3 * math.cos(2 * math.pi * (u % 1))))
+    to_thigh = {"rotation": {"axis": (0, 0, 1), "degrees": -55, "center": (0.4, 0.8, 0)}}
+    ends = [{"vertices": numpy.nonzero(end)[0].tolist(), **motion} for end, motion in (
+        (tube.points[:, 1] < -0.5, {}), (tube.points[:, 1] > 0.5, {"rotation": {"axis": (0, 0, 1), "degrees": 150, "center": (0, 0, 0)}}))]
+    panels = []
+    for mesh, edit in ((hand, step(hand.near((0.05, 1.6, 0), 0.2), 1.2, {"translation": (0.35, -0.1, 0)})),
+                       (person, step(person.near((1.08, -0.4, 0.1), 0.25), 1.4, to_thigh)),
+                       (tube, {"region": {"component": True}, "handles": ends})):
+        panels += [(mesh.edited(f"contact-{mesh.path.stem}-{kind}", {**edit, **more})[0], kind)
+                   for kind, more in (("default", {}), ("contact", {"contact": True}))]
+    render("contact", panels, {"toward": (0.25, 0.15, 1), "up": (0, 1, 0)}, 6, 360)
+
+
 def locality(name, mesh_name, point, counts, translation, view):
     """Figures 1 and 7: the same handle moved as far in a small and in a large region."""
     mesh = Mesh(mesh_name)
@@ -295,7 +311,7 @@ OTHERS = {
         "smooth normals, over a region": {"method": "paper"}}),
     "figure6": figure6,
     "figure7": lambda: locality("figure7", "creature", (-2.2, 0.6, 0), (1201, 12774), (-0.3, 1.0, 0.5), {"toward": (0.2, 0.2, 1), "up": (0, 1, 0)}),
-    "figure8": figure8, "table1": table1, "cells": cells, "surface": surface}
+    "figure8": figure8, "table1": table1, "cells": cells, "surface": surface, "contact": contact}
 
 
 def main():

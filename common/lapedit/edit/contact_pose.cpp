@@ -168,7 +168,7 @@ ContactPose::ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPos
 ContactPose::~ContactPose() = default;
 
 /// Makes the surface of the moving faces and of those that rest in the box of a path, unless there is one.
-void ContactPose::make_surface(const std::vector<Points>& path, ThreadPool& pool) {
+void ContactPose::make_surface(const std::vector<Points>& path) {
   Eigen::AlignedBox3d box = bounding_box(rest_->local);
   for (const Points& pose : path) {
     box.extend(bounding_box(pose));
@@ -205,8 +205,8 @@ void ContactPose::make_surface(const std::vector<Points>& path, ThreadPool& pool
     }
   }
   faces.conservativeResize(count, 3);
-  surface_ = std::make_unique<ContactSurface>(gather(around_.vertices, mesh_vertex_), std::move(faces),
-                                              rest_->region->size(), pool);
+  surface_ =
+      std::make_unique<ContactSurface>(gather(around_.vertices, mesh_vertex_), std::move(faces), rest_->region->size());
 }
 
 /// Returns all vertices of the surface.
@@ -219,7 +219,7 @@ Points ContactPose::whole(const Points& pose) const {
 bool ContactPose::is_clear(const Points& pose, ThreadPool& pool) {
   touching_ = 0;
   converged_ = true;
-  make_surface({pose}, pool);
+  make_surface({pose});
   return surface_->is_clear(whole(pose), pool);
 }
 
@@ -429,7 +429,7 @@ bool ContactPose::approach(const Points& plain) {
 void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& constraints,
                          const std::vector<Points>& path) {
   surface_.reset();  // bits depend on nothing earlier
-  make_surface(path, *system.pool);
+  make_surface(path);
   response_ = std::make_unique<Response>(system);
   system_ = &system;
   constraints_ = &constraints;

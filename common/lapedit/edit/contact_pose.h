@@ -47,7 +47,7 @@ class ContactPose {
     Faces moving, resting;   // with a corner in the region, and all others
     std::vector<int> local;  // per vertex: in the region, or -1
   };
-  void make_surface(const std::vector<Points>& path, ThreadPool& pool);
+  void make_surface(const std::vector<Points>& path);
   Points whole(const Points& pose) const;
   bool add(std::vector<Contact> contacts);
   void update_contacts();

@@ -187,8 +187,7 @@ class ContactSurface::Patches {
   std::vector<int> parent_;
 };
 
-ContactSurface::ContactSurface(Points rest, Faces faces, int moving_vertices, ThreadPool& pool)
-    : rest_(std::move(rest)) {
+ContactSurface::ContactSurface(Points rest, Faces faces, int moving_vertices) : rest_(std::move(rest)) {
   const auto count = static_cast<int>(faces.rows());
   Points centres(count, 3);
   double length = 0;
@@ -232,7 +231,6 @@ ContactSurface::ContactSurface(Points rest, Faces faces, int moving_vertices, Th
   }
   face_bounds_.resize(static_cast<std::size_t>(count));
   node_bounds_.resize(nodes_.size());
-  find_crossings(pool);
 }
 
 int ContactSurface::build(int first, int last, const Points& centres, Patches& patches) {
@@ -366,6 +364,7 @@ std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visi
     }
     tasks.swap(next);
   }
+  const bool is_known = !crosses_.empty();
   std::vector<std::vector<Found>> found(tasks.size());
   pool.each(static_cast<int>(tasks.size()), [&](int task) {
     std::vector<Pair> open = {tasks[static_cast<std::size_t>(task)]};
@@ -381,7 +380,7 @@ std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visi
         for (int f = nodes_[pair.first].first; f < nodes_[pair.first].last; ++f) {
           for (int g = pair.first == pair.second ? f + 1 : nodes_[pair.second].first; g < nodes_[pair.second].last;
                ++g) {
-            if (!are_apart(f, g) && !is_exempt(f, g)) {
+            if (!are_apart(f, g) && !(is_known && is_exempt(f, g))) {
               visit(f, g, found[static_cast<std::size_t>(task)]);
             }
           }
@@ -431,14 +430,18 @@ bool ContactSurface::update(Contact& contact, const Points& at) {
   return contact.distance > 0;
 }
 
+/// Finds what crosses at rest, unless it is known.
 void ContactSurface::find_crossings(ThreadPool& pool) {
-  crosses_.assign(static_cast<std::size_t>(faces_.rows()), 0);
+  if (!crosses_.empty()) {
+    return;
+  }
   bound(rest_, rest_, pool);
   const auto found = each_pair<std::pair<int, int>>(pool, [&](int f, int g, auto& pairs) {
     if (cross(rest_, faces_.row(f).transpose(), faces_.row(g).transpose())) {
       pairs.push_back({f, g});
     }
   });
+  crosses_.assign(static_cast<std::size_t>(faces_.rows()), 0);
   std::vector<char> at(static_cast<std::size_t>(rest_.rows()), 0);
   for (const auto& [f, g] : found) {
     if (piece_[f] != piece_[g]) {
@@ -456,17 +459,21 @@ void ContactSurface::find_crossings(ThreadPool& pool) {
 }
 
 bool ContactSurface::is_clear(const Points& at, ThreadPool& pool) {
+  using Pair = std::pair<int, int>;
   bound(at, at, pool);
-  std::atomic<bool> clear{true};
-  each_pair<char>(pool, [&](int f, int g, auto&) {
-    if (clear && cross(at, faces_.row(f).transpose(), faces_.row(g).transpose())) {
-      clear = false;
+  const std::vector<Pair> found = each_pair<Pair>(pool, [&](int f, int g, std::vector<Pair>& pairs) {
+    if (cross(at, faces_.row(f).transpose(), faces_.row(g).transpose())) {
+      pairs.push_back({f, g});
     }
   });
-  return clear;
+  if (!found.empty()) {
+    find_crossings(pool);
+  }
+  return std::all_of(found.begin(), found.end(), [&](const Pair& pair) { return is_exempt(pair.first, pair.second); });
 }
 
 Sweep ContactSurface::sweep(const Points& from, const Points& to, ThreadPool& pool) {
+  find_crossings(pool);
   bound(from, to, pool);
   Sweep sweep;
   sweep.contacts = each_pair<Contact>(pool, [&](int f, int g, std::vector<Contact>& found) {

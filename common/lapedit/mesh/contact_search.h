@@ -37,7 +37,7 @@ class ContactSurface {
   /// @param rest    vertices at rest: the moving ones come first. @param faces  the moving ones first, any corner of
   ///                which moves
   /// O(faces log faces).
-  ContactSurface(Points rest, Faces faces, int moving_vertices, ThreadPool& pool);
+  ContactSurface(Points rest, Faces faces, int moving_vertices);
 
   /// Returns the distance that contacts keep, unless they are nearer at rest: a fraction of a mean edge.
   double gap() const { return gap_; }
@@ -91,7 +91,8 @@ class ContactSurface {
   std::vector<Bounds> node_bounds_, face_bounds_;
   std::vector<unsigned char> owned_;  // per face: which of its corners (bits 0 to 2) and edges (3 to 5) it stands for
   std::vector<int> piece_;            // per face: its connected component
-  std::vector<char> crosses_;         // per face: it, or a neighbour, crosses another face of its piece at rest
+  std::vector<char>
+      crosses_;  // per face: it, or a neighbour, crosses another face of its piece at rest; empty: unknown
   std::vector<std::pair<int, int>> crossing_pieces_;  // sorted
 };
 
