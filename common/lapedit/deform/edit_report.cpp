@@ -36,6 +36,11 @@ Value fit(const R& r) {
   return r.fit ? known((*r.fit).*Member) : Value();
 }
 
+template <auto Member>
+Value contact(const R& r) {
+  return r.contact ? known((*r.contact).*Member) : Value();
+}
+
 template <auto Direction, auto Member>
 Value distance(const R& r) {
   return r.fit ? known((*r.fit).*Direction.*Member) : Value();
@@ -164,11 +169,9 @@ const std::vector<Figure>& report_table() {
       {"folded", of<&R::folded>, "; triangles folded over: %d"},
       {"new_intersections", of<&R::new_intersections>, "; new self-intersections: %d"},
 
-      {"contacts", [](const R& r) { return r.contact ? Value(r.contact->pairs) : Value(); },
-       "\nContact: %d pairs touch"},
-      {"converged", [](const R& r) { return r.contact ? Value(r.contact->converged) : Value(); }},
+      {"contacts", contact<&ContactReport::pairs>, "\nContact: %d pairs touch"},
+      {"converged", contact<&ContactReport::converged>},
       {"stopped", [](const R& r) { return r.contact ? Value(stops(r)) : Value(); }, "; %s"},
-
       {"milliseconds/region", of<&R::region_ms>, "\nMilliseconds: region %.1f"},
       {"milliseconds/operator", of<&R::operator_ms>, ", operator %.1f", kNotInFits},
       {"milliseconds/factorisation", of<&R::factor_ms>, ", factor %.1f", kNotInFits},
