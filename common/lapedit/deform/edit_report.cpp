@@ -90,7 +90,6 @@ const std::vector<Figure>& report_table() {
       {"mesh_vertices", of<&R::mesh_vertices>, " of %d"},
       {"left_out", of<&R::left_out>, "; %d in parts of the region without a handle stay", kNotZero},
       {"welded", of<&R::welded>, "; %d more at the places of these move along", kNotZero},
-
       {"fit/to", fit<&F::scan>, "\nFit to %s"},
       {"fit/mode", fit<&F::mode>, ", mode %s"},
       {"fit/align", fit<&F::aligned>, "; alignment: %s"},
@@ -118,7 +117,6 @@ const std::vector<Figure>& report_table() {
       {"fit/from_scan/median", distance<&F::from_scan, &D::median>, ", median %.3g"},
       {"fit/from_scan/most", distance<&F::from_scan, &D::most>, ", 95 %% %.3g"},
       {"fit/from_scan/largest", distance<&F::from_scan, &D::largest>, ", largest %.3g"},
-
       {"method", [](const R& r) -> Value { return std::string(name(r.settings.method)); }, "\nMethod: %s", kNotInFits},
       {"laplacian", [](const R& r) -> Value { return std::string(name(r.settings.laplacian)); }, "; operator: %s",
        kNotInFits},
