@@ -40,7 +40,7 @@ void Panel::addAdvanced() {
   for (const Setting& setting : settings_table()) {
     const Access access = {[&setting](const DragSettings& settings) { return setting.get(settings.edit); },
                            [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); }};
-    if (setting.kind == Setting::Kind::Choice && setting.varies(EditMethod::Linear)) {
+    if (QString(setting.key) == "method") {
       row(titleOf(setting.key), choice(setting, access));
     } else if (setting.kind == Setting::Kind::Switch) {
       auto* const box = check(setting.key, titleOf(setting.subject), tip(setting.help), access);

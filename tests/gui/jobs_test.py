@@ -5,13 +5,14 @@ import unittest
 
 from tool import ToolTest, part
 from ply import write_ply
-from shapes import dome
+from shapes import dome, together
 
 
 class Jobs(ToolTest):
     SIDE = 61
     MIDDLE = 30 * SIDE + 30
     DEPTH = 0.06
+    WALL = 0.72
 
     @classmethod
     def setUpClass(cls):
@@ -28,6 +29,9 @@ class Jobs(ToolTest):
         cls.lips = sorted({v for a, b in sides if (b, a) not in sides for v in (a, b) if 0.1 < flat[v][0] < 0.9
                            and 0.1 < flat[v][1] < 0.9})
         cls.mouth = write_ply(cls.folder / "mouth.ply", [(x, y, 0.2 * x * (1 - x)) for x, y, _ in flat], kept)
+        tower = [(x, y, 0.4 * math.exp(-(math.dist((x, y), (0.5, 0.5)) / 0.1) ** 4)) for x, y, _ in flat]
+        wall = [(cls.WALL, 0.3 + 0.4 * x, 0.08 + 0.5 * y) for x, y, _ in dome(21, 21)[0]]
+        cls.scene = write_ply(cls.folder / "wall.ply", *together((tower, faces), (wall, dome(21, 21)[1])))
 
     def stroke(self, w, points, *keys):
         """Draws from point to point of the screen with the left button, while keys are held."""
@@ -78,6 +82,23 @@ class Jobs(ToolTest):
             self.x_key(w, "s", "y", "1", "percent", "Return")  # 4
             self.assertLess(gap(), 0.02 * before, self.message(w))
             self.assert_replay_is_the_same(w, self.mouth)
+
+    def test_a_tower_stops_at_a_wall(self):
+        with self.start(self.scene, disc=20) as w:
+            w.set(part("contact"), True)
+            w.x("mousemove", *self.on_screen(w, self.MIDDLE), "sleep", 0.3, "click", 1)
+            self.settle(w)
+            self.x_key(w, "t", "x", "0", "period", "4")
+            self.settle(w)
+            colours = w.grab(self.folder / "screen.ppm").read_bytes()
+            self.assertGreater(colours.count(bytes((230, 159, 0))), 60, "no line from the handle to its target")
+            self.x_key(w, "Return")
+            points = w.dump().triples()
+            self.assertLess(max(x for x, _, _ in points[self.MIDDLE - 5 * self.SIDE:self.MIDDLE]), self.WALL)
+            self.assertGreater(points[self.MIDDLE][0], 0.55)
+            self.assertIn("before its target", self.message(w))
+            self.assertIs(self.steps_of(w)[0]["contact"], True)
+            self.assert_replay_is_the_same(w, self.scene)
 
     def test_lasso_paints_and_removes(self):
         with self.start(self.dent) as w:

@@ -17,7 +17,7 @@ CHECKED = 6  # batches after which all is undone and compared
 KEYS = [*"XYZNTRSGCWPBV0123456789.-[]?", "Return", "Backspace", "Esc"]
 SETTINGS = {"radius": lambda r: r.choice([0, 0.05, 0.1, 0.3]), "padding": lambda r: r.choice([0, 10, 50, 100]),
             "handle_fraction": lambda r: r.choice([0, 20, 50]), "falloff": lambda r: r.randrange(4),
-            "connect_gap": lambda r: r.choice([0, 0.05]), "laplacian": lambda r: r.randrange(3),
+            "connect_gap": lambda r: r.choice([0, 0.05]), "contact": lambda r: r.random() < 0.3,
             "method": lambda r: r.randrange(3), "detail": lambda r: r.choice([0, 50, 100, 200]),
             "membrane": lambda r: r.choice([0, 1200]), "last_fraction": lambda r: r.randrange(101),
             "last_value": lambda r: r.choice(["-0.1, 0, 0.2", "25", "1.5", "0.8", "x"]), "timeline": lambda r: r.randrange(20)}

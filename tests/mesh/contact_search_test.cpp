@@ -74,6 +74,14 @@ TEST(ContactSearch, FindsCrossingsThatAreNotThereAtRest) {
   EXPECT_EQ(crossing.sweep(tilted, lowered({tilted, apart.faces}, 3), pool).safe, 1);
 }
 
+TEST(ContactSearch, CloudsTouchNothing) {
+  const TriangleMesh apart = plates(0.4);
+  ThreadPool pool(2);
+  ContactSurface cloud = surface({apart.vertices, Faces(0, 3)});
+  EXPECT_TRUE(cloud.is_clear(lowered(apart, 1), pool));
+  EXPECT_EQ(cloud.sweep(apart.vertices, lowered(apart, 1), pool).safe, 1);
+}
+
 TEST(ContactSearch, SeesAFoldInOnePiece) {
   const TriangleMesh plate = shapes::grid(12, 24);
   ThreadPool pool(2);

@@ -334,6 +334,9 @@ bool ContactSurface::are_apart(int f, int g) const {
 template <class Found, class Visit>
 std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visit) const {
   using Pair = std::pair<int, int>;
+  if (roots_[0] < 0) {
+    return {};  // a cloud
+  }
   std::vector<Pair> tasks;
   const auto split = [this](Pair pair, std::vector<Pair>& open) {
     const auto [a, b] = pair;

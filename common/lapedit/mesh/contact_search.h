@@ -91,8 +91,7 @@ class ContactSurface {
   std::vector<Bounds> node_bounds_, face_bounds_;
   std::vector<unsigned char> owned_;  // per face: which of its corners (bits 0 to 2) and edges (3 to 5) it stands for
   std::vector<int> piece_;            // per face: its connected component
-  std::vector<char>
-      crosses_;  // per face: it, or a neighbour, crosses another face of its piece at rest; empty: unknown
+  std::vector<char> crosses_;         // per face: it, or a neighbour, crosses its piece at rest; empty: unknown
   std::vector<std::pair<int, int>> crossing_pieces_;  // sorted
 };
 
