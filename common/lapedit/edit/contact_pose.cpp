@@ -46,7 +46,8 @@ class ContactPose::Response {
       }
     }
     if (size() > matrix_.rows()) {
-      matrix_.conservativeResize(2 * size(), 2 * size());
+      const Eigen::Index room = 2 * static_cast<Eigen::Index>(size());
+      matrix_.conservativeResize(room, room);
     }
     for (int first = before; first < size(); first += 3) {
       checkpoint();
