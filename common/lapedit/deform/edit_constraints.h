@@ -20,8 +20,7 @@ class EditConstraints {
 
   /// @param handles  one per group, @param anchors motion of the anchors; both in absolute coordinates
   /// @param shift    displacement of the rest pose that start() begins with, size() x 3; or no rows. Handles and
-  /// anchors
-  ///                 move relative to it
+  ///                 anchors move relative to it
   /// @throws EditError as GroupPaths::set()
   void set(const std::vector<HandleMotion>& handles, const Affine& anchors, const Points& shift = {});
 

@@ -382,7 +382,7 @@ ContactReport StepSolver::contact_report() const {
   constexpr double kMissed = 1e-3;
   ContactReport report;
   report.pairs = contact_->touching();
-  if (report.pairs == 0) {
+  if (report.pairs == 0 && contact_->converged()) {
     return report;
   }
   report.vertex = contact_->vertex();
