@@ -293,7 +293,7 @@ void ContactSurface::bound(const Points& from, const Points& to, ThreadPool& poo
 
 /// Returns whether boxes come nearer than a gap in the motion of one relative to the other.
 bool ContactSurface::may_touch(const Bounds& a, const Bounds& b) const {
-  const Eigen::Array3d least = (a.least - b.most).min(0), most = (a.most - b.least).max(0);
+  const Eigen::Array3d least = (a.least - b.most).min(0.0), most = (a.most - b.least).max(0.0);
   return (a.low + least <= b.high + gap_).all() && (a.high + most >= b.low - gap_).all();
 }
 
