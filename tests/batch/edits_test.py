@@ -499,6 +499,17 @@ class SameSurface(Edits):
             self.assertGreater(min(sections), least)
             self.assertLess(max(sections) - min(sections), 0.05)
 
+    def test_wires_bend_evenly(self):
+        for around, rings, length in ((3, 121, 150), (5, 201, 200), (6, 251, 300)):
+            mesh = tube(around, rings, length, closed=False)
+            held, grip = between(mesh, -1, 0.05 * length), between(mesh, 0.95 * length, length + 1)
+            for degrees in (100, 150):
+                after = edited(mesh, step(handle(held), handle(grip, rotation={**turn(Y, degrees), "center": (length / 2, 0, length / 8)})))
+                along = np.diff(after.reshape(rings, around, 3).mean(1), axis=0)
+                along /= np.linalg.norm(along, axis=1, keepdims=True)
+                bends = np.arccos(np.clip((along[1:] * along[:-1]).sum(1), -1, 1))
+                self.assertLess(bends.max(), 3.5 * bends.mean(), (around, degrees))
+
     def test_hill_on_a_grid_is_round(self):
         """The largest deviation of the radius at which a hill has a fraction of its height, over the mean of 16 directions."""
         side, middle = 81, 40

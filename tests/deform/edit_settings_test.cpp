@@ -84,7 +84,6 @@ TEST(EditSettings, MethodGivesTheOthersTheirValues) {
   EXPECT_EQ(standard.laplacian, LaplacianKind::Surface);
   EXPECT_EQ(standard.membrane, 500);
   EXPECT_EQ(standard.handle_weight, 30);
-  EXPECT_EQ(standard.passes(), 3);
   for (const EditSettings& settings : {paper, linear}) {
     EXPECT_EQ(settings.laplacian, LaplacianKind::Umbrella);
     EXPECT_EQ(settings.order, 1);
@@ -93,8 +92,6 @@ TEST(EditSettings, MethodGivesTheOthersTheirValues) {
     EXPECT_EQ(settings.anchor_weight, 10);
     EXPECT_EQ(refusal(settings), "");
   }
-  EXPECT_EQ(paper.passes(), 1);
-  EXPECT_EQ(linear.passes(), 0);
   EditSettings changed = standard;
   changed.iterations = 7;
   settings_table().front().set(changed, static_cast<double>(EditMethod::Paper));

@@ -371,7 +371,7 @@ std::string advice_on_handle(const R& r) {
 }
 
 /// Returns whether rotations have not converged. The automatic number of passes stops before details have converged,
-/// see EditSettings::passes(). In this case the advice is only for whole limbs that still rotate.
+/// see passes_of(). In this case the advice is only for whole limbs that still rotate.
 bool is_unsettled(const R& r) {
   constexpr double kUnsettled = 10, kUnsettledPart = 45;
   return r.iterations > 1 && r.rotation_left > (r.settings.iterations == 0 ? kUnsettledPart : kUnsettled);

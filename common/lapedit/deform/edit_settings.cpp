@@ -54,7 +54,8 @@ const std::vector<Setting>& settings_table() {
     order.fixed = EditMethod::Default;
     Setting iterations = row<&S::iterations>(
         Kind::Whole, "iterations", "number of iterations", "a whole number from 0 to 100", 0, 100,
-        "Number of passes, each of which fits the rotations to the last result, 0 to 100. 0: automatic (3).");
+        "Number of passes, each of which fits the rotations to the last result, 0 to 100. 0: automatic (3, "
+        "more in wires and springs).");
     iterations.only = EditMethod::Default;
     Setting radius =
         row<&S::normal_radius>(Kind::Length, "normal_radius", "normal radius",
@@ -125,14 +126,6 @@ EditSettings EditSettings::of(EditMethod method) {
     settings.handle_weight = settings.anchor_weight = 10;
   }
   return settings;
-}
-
-int EditSettings::passes() const {
-  constexpr int kLocalGlobal = 3;  // more depend more on the triangles, see decisions.md, 58
-  return method == EditMethod::Linear  ? 0
-         : method == EditMethod::Paper ? 1
-         : iterations > 0              ? iterations
-                                       : kLocalGlobal;
 }
 
 bool operator==(const EditSettings& a, const EditSettings& b) {

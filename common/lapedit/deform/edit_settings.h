@@ -44,15 +44,13 @@ struct EditSettings {
   /// Factor of the surface's distance from the fair surface through anchors and handles, see fair_surface.h: 0 removes
   /// details, 2 exaggerates them.
   double detail = 1;
-  int iterations = 0;        ///< passes of EditMethod::Default; 0: see passes()
+  int iterations = 0;        ///< passes of EditMethod::Default; 0: chosen from the region
   double normal_radius = 0;  ///< of EditMethod::Paper: r of the smoothing, model units; 0: automatic
   RoughDeformation rough = RoughDeformation::Unrotated;  ///< of EditMethod::Paper
   bool contact = false;  ///< of EditMethod::Default: settled poses cross nothing, see ContactPose
 
   /// Returns the method with its default values.
   static EditSettings of(EditMethod method);
-  /// Returns the number of passes that rotate differential coordinates.
-  int passes() const;
 };
 
 /// How the equations are solved. The result does not depend on it.

@@ -9,9 +9,11 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
+#include "lapedit/base/whole_part.h"
 #include "lapedit/cells/surface_metric.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit_step.h"
+#include "lapedit/mesh/surface_index.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -82,6 +84,20 @@ int nearest_of_several_groups(const Region& region, const Points& rest, int vert
   return last > 0 ? region.group[nearest] : -1;
 }
 
+/// Returns the number of passes of a pose that rotate differential coordinates. Most regions need few, and more depend
+/// more on the triangles (decisions.md, 58); but rotations spread slowly along wires and springs, whose length squared
+/// is many times their area.
+int passes_of(const EditSettings& settings, const Region& region, const Points& rest) {
+  constexpr int kFew = 3, kMost = 60;
+  constexpr double kLong = 2, kPassesEach = 4;
+  if (settings.method != EditMethod::Default || settings.iterations > 0) {
+    return settings.method == EditMethod::Paper ? 1 : settings.iterations;
+  }
+  const double length = region.max_distance, area = face_areas(rest, region.faces).sum();
+  const double more = kPassesEach * (area > 0 ? length * length / area - kLong : 0);
+  return kFew + whole_part(more, 0, kMost - kFew);
+}
+
 /// Relative accuracy of a pose, and of the passes before the last one, which only rotations are fitted to.
 constexpr double kExact = 1e-11, kForRotations = 1e-7;
 
@@ -102,6 +118,7 @@ StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSe
       options_(options),
       constraints_(*rest_) {
   preparation_.region_ms = found.milliseconds;
+  preparation_.passes = passes_of(settings, region(), rest_->world);
   if (constraints_.handles().empty() && !region().without_handle) {
     throw EditError(ErrorCause::NoHandle, "There is no handle in the region: name at least one vertex to move.");
   }
@@ -235,7 +252,7 @@ void StepSolver::rotate() {
 /// Performs the next pass. The last one of a pose settles it.
 void StepSolver::advance() {
   const Stage stage = std::exchange(stage_, Stage::None);
-  const bool last = stage == Stage::Full && (figures_.iterations + 1 >= settings_.passes() || !constraints_.any());
+  const bool last = stage == Stage::Full && (figures_.iterations + 1 >= preparation_.passes || !constraints_.any());
   if (constraints_.any()) {
     report_progress(0, "rotations");
     rotate();

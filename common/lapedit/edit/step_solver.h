@@ -165,7 +165,8 @@ class StepSolver {
   };
   struct Preparation {
     double region_ms = 0;
-    int poses = 0;  ///< since then
+    int passes = 0;  ///< of a pose
+    int poses = 0;   ///< since then
   };
 
   struct Motions {
