@@ -177,6 +177,20 @@ class Rotations(Edits):
                     turned = [fitted(mesh[0][part], pose[part]) for part in (tip, root)]
                     self.assertLess(degrees_between(*turned), 11, (around, radius, way))
 
+    def test_free_end_rotates_with_landmarks(self):
+        for around, rings, length in ((16, 61, 14), (24, 91, 18)):
+            mesh = tube(around, rings, length)
+            held, tip, root = (between(mesh, *part) for part in ((-1, 1, -1), (length - 2, 99, -1), (0.5 * length, 0.6 * length)))
+            angles = np.arange(4) * math.pi / 2
+            marks = [nearest(mesh, (0.55 * length, math.cos(a), math.sin(a))) for a in angles]
+            for degrees in (30, 60):
+                to = (mesh[0] - 2.5 * X) @ rotation(Z, degrees).T + 2.5 * X
+                for some in (marks[:1], marks):
+                    for groups in ([some], [[m] for m in some]):
+                        pose = edited(mesh, step(handle(held), *(handle(group, targets=to[group]) for group in groups)))
+                        turned = [fitted(mesh[0][part], pose[part]) for part in (tip, root)]
+                        self.assertLess(degrees_between(*turned), 6, (around, degrees, groups))
+
     def twist(self, around, rings, length):
         mesh = tube(around, rings, length)
         return mesh, between(mesh, -1, 0.5 * length / rings, -1), between(mesh, length - 0.5 * length / rings, 99, -1)

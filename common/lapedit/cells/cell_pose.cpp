@@ -59,7 +59,7 @@ CellPose::CellPose(const Region& region, const Points& rest, const RegionCells& 
   // Allocates all scratch memory here, so that no frame allocates memory.
   constraints_.setZero(cells.count(), 3);
   displacement_.setZero(cells.count(), 3);
-  local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()), true);
+  local_global_.start(cells.centres, std::vector<Matrix3>(cells.count(), Matrix3::Zero()), false);
   local_global_.settle(constraints_, 0, 2, displacement_, rotations_);
   turns_.setZero(cells.count(), 3);
   displacement_.setZero();
@@ -74,7 +74,7 @@ void CellPose::move_rigidly(const GroupPaths& paths) {
     linear_[c] = along.linear;
     rigid_.row(c) += along.displacement(cells_.centres.row(c).transpose()).transpose();
   }
-  local_global_.start(rigid_, linear_, !paths.has_targets());
+  local_global_.start(rigid_, linear_, paths.has_targets());
 }
 
 /// Sets the handles' constraints of this step. @return their largest displacement from the rigidly moved pose

@@ -203,11 +203,13 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   }
   const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
   groups_ = groups_with_cells(region);
-  make_follow(cells, squared_weights);
+  const Eigen::MatrixXd held_places = make_follow(cells, anchored, squared_weights);
   loose_.assign(m, -1);
   if (static_cast<int>(groups_.size()) == groups) {  // otherwise there is a constraint in nearly every cell
-    find_loose(cells, region.max_distance, squared_weights);
+    const Eigen::RowVectorXd largest = follow_.colwise().maxCoeff().cwiseMax(1e-300);  // less than 1 for weak groups
+    loose_ = find_loose(cells, follow_ * largest.cwiseInverse().asDiagonal(), region.max_distance, squared_weights);
   }
+  loose_of_targets_ = find_loose(cells, held_places, 1, squared_weights);
   const Eigen::VectorXd wide = widths(region, rest, cells, groups);
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     follow_.col(static_cast<Eigen::Index>(k)) *= wide[groups_[k]];
@@ -231,11 +233,15 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
 
 /// Solves (L + D^2 W^2 / 4) phi_g = D^2 W_g^2 / 4. Positive off-diagonal entries of L are set to 0 and its diagonal is
 /// recomputed, so the matrix is positive definite for all operators.
-void CoarseSystem::make_follow(const RegionCells& cells, const Eigen::VectorXd& squared_weights) {
+/// @return for each cell a mean of the places that are held, found likewise: nearly constant where one end is free
+Eigen::MatrixXd CoarseSystem::make_follow(const RegionCells& cells, const Eigen::VectorXd& anchored,
+                                          const Eigen::VectorXd& squared_weights) {
   const auto groups = static_cast<int>(groups_.size());
   follow_.setZero(cells.count(), groups);
   const Eigen::VectorXd squares = 0.25 * divisor_.cwiseAbs2();
+  Points places = squares.cwiseProduct(anchored).asDiagonal() * cells.centres;
   for (const Held& one : held_) {
+    places.row(one.cell) += squares[one.cell] * one.weight * one.mean.transpose();
     if (const int k = index_in(groups_, one.group); k >= 0) {
       follow_(one.cell, k) += squares[one.cell] * one.weight;
     }
@@ -258,16 +264,19 @@ void CoarseSystem::make_follow(const RegionCells& cells, const Eigen::VectorXd& 
     factor.solve(three, three);
     follow_.middleCols(g, count) = three.leftCols(count);
   }
+  factor.solve(places, places);
+  return places;
 }
 
-/// Numbers the loose parts: connected cells without constraints where follow() is nearly constant, so no forces pass.
-void CoarseSystem::find_loose(const RegionCells& cells, double size, const Eigen::VectorXd& squared_weights) {
+/// Numbers the loose parts: connected cells without constraints where functions are nearly constant, so no forces pass.
+/// @param size  length over which they change by 1 elsewhere
+std::vector<int> CoarseSystem::find_loose(const RegionCells& cells, const Eigen::MatrixXd& follow, double size,
+                                          const Eigen::VectorXd& squared_weights) {
   constexpr double kSlope = 0.4;  // over the region's size
   constexpr double kFree = 1e-6;
   constexpr int kFew = 40;  // with fewer cells, rotations converge anyway, and cells around a limb are collinear
-  const Eigen::RowVectorXd largest = follow_.colwise().maxCoeff().cwiseMax(1e-300);  // less than 1 for weak groups
-  const Eigen::MatrixXd follow = follow_ * largest.cwiseInverse().asDiagonal();
   std::vector<char> is_loose(cells.count());
+  std::vector<int> loose;
   for (int a = 0; a < cells.count(); ++a) {
     double slope = 0;
     for (const int b : cells.neighbours[a]) {
@@ -277,14 +286,15 @@ void CoarseSystem::find_loose(const RegionCells& cells, double size, const Eigen
     const bool slopes = !(slope * size * size < kSlope * kSlope);
     is_loose[a] = cells.count() >= kFew && squared_weights[a] < kFree && !slopes ? 1 : 0;
   }
-  connected_components(cells.neighbours, loose_, is_loose);
+  connected_components(cells.neighbours, loose, is_loose);
   std::vector<int> number(cells.count(), -1);
   int parts = 0;
   for (int c = 0; c < cells.count(); ++c) {
-    int& one = number[loose_[c]];
+    int& one = number[loose[c]];
     one = is_loose[c] && one < 0 ? parts++ : one;
-    loose_[c] = one;
+    loose[c] = one;
   }
+  return loose;
 }
 
 void CoarseSystem::add_rotated(const Points& rotated, Points& right) const {

@@ -44,9 +44,8 @@ class CoarseSystem {
   /// harmonic along the surface between them.
   const Eigen::MatrixXd& follow() const { return follow_; }
   /// Returns for each cell the number of its loose part, or -1. No forces pass through such a part, so it rotates as
-  /// one with the cells around it.
-  const std::vector<int>& loose() const { return loose_; }
-  int loose_parts() const { return 1 + *std::max_element(loose_.begin(), loose_.end()); }
+  /// one with the cells around it. @param targets  whether vertices of a group move apart
+  const std::vector<int>& loose(bool targets) const { return targets ? loose_of_targets_ : loose_; }
 
   /// Solves (M^T M + c L + W^2) x = right, cells x 3; c L = c D M. The matrix is symmetric positive definite. Only the
   /// first call allocates memory.
@@ -60,15 +59,17 @@ class CoarseSystem {
   void hold_handles(const Region& region, const Points& rest, const RegionCells& cells, const CellBlend& blend,
                     double handle_weight);
   void make_normal(const Region& region, const Points& rest, const RegionCells& cells, const EditSettings& settings);
-  void make_follow(const RegionCells& cells, const Eigen::VectorXd& squared_weights);
-  void find_loose(const RegionCells& cells, double size, const Eigen::VectorXd& squared_weights);
+  Eigen::MatrixXd make_follow(const RegionCells& cells, const Eigen::VectorXd& anchored,
+                              const Eigen::VectorXd& squared_weights);
+  static std::vector<int> find_loose(const RegionCells& cells, const Eigen::MatrixXd& follow, double size,
+                                     const Eigen::VectorXd& squared_weights);
 
   SparseMatrix operator_;              // M
   Eigen::VectorXd divisor_, stretch_;  // D, c D
   std::vector<Held> held_;
   std::vector<int> groups_;
   Eigen::MatrixXd follow_;
-  std::vector<int> loose_;
+  std::vector<int> loose_, loose_of_targets_;
   std::unique_ptr<SmallCholesky> normal_;
 };
 

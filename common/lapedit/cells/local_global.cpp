@@ -90,7 +90,7 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
       system_(system),
       averages_(cells.count()),
       covariances_(cells.count()),
-      loose_(system.loose_parts()),
+      loose_(cells.count()),
       before_(cells.neighbours.values.size()),
       rotating_{OperatorRows::Rows(system.differential_operator()), {}, {}, {}} {
   rotating_.edges.resize(rotating_.m.nonZeros(), 3);
@@ -98,8 +98,9 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
   rotating_.columns.resize(12 * static_cast<std::size_t>(cells.count()));
 }
 
-void LocalGlobal::start(const Points& rigid, const std::vector<Matrix3>& linear, bool hangs) {
-  loose_.resize(hangs ? system_.loose_parts() : 0);
+void LocalGlobal::start(const Points& rigid, const std::vector<Matrix3>& linear, bool targets) {
+  part_ = &system_.loose(targets);
+  loose_.resize(1 + *std::max_element(part_->begin(), part_->end()));
   if (rigid_.rows() == rigid.rows() && rigid_ == rigid && linear_ == linear) {
     return;  // in a drag, `rigid` is the rest pose in every frame
   }
@@ -148,7 +149,7 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
 
 /// Gives each loose part the mean rotation of the cells around it.
 void LocalGlobal::hang(std::vector<Matrix3>& rotations) {
-  const std::vector<int>& part = system_.loose();
+  const std::vector<int>& part = *part_;
   std::fill(loose_.begin(), loose_.end(), Matrix3::Zero());
   for (int a = 0; a < cells_.count(); ++a) {
     for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {

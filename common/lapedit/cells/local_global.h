@@ -31,8 +31,8 @@ class LocalGlobal {
   };
 
   /// Sets the rigidly moved positions of the cells and the linear part (minus identity) of each motion.
-  /// @param hangs  whether loose parts rotate as one
-  void start(const Points& rigid, const std::vector<Matrix3>& linear, bool hangs);
+  /// @param targets  as for CoarseSystem::loose()
+  void start(const Points& rigid, const std::vector<Matrix3>& linear, bool targets);
 
   /// Alternates global and local steps, beginning with a global one.
   /// @param constraints   the right-hand side of CoarseSystem::solve() without rotations
@@ -61,7 +61,8 @@ class LocalGlobal {
   const CellSurface& surface_;
   const std::vector<double>&hold_, &inertia_;
   CoarseSystem& system_;
-  ThreadPool alone_{1};  // for some hundred cells a second thread saves no time
+  const std::vector<int>* part_ = nullptr;  // of CoarseSystem::loose()
+  ThreadPool alone_{1};                     // for some hundred cells a second thread saves no time
   Points result_, rigid_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, rotated_;
   MatrixAverages averages_;
   std::vector<Matrix3> linear_, covariances_, loose_;
