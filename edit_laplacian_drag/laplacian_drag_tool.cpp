@@ -34,8 +34,8 @@ double milliseconds(const QElapsedTimer& timer) {
 
 }  // namespace
 
-LaplacianDragTool::LaplacianDragTool(HostWindow& window)
-    : window_(window), others_([this] {
+LaplacianDragTool::LaplacianDragTool()
+    : others_([this] {
         QMetaObject::invokeMethod(
             this, [this] { poll(); }, Qt::QueuedConnection);
       }) {}
@@ -50,7 +50,6 @@ LaplacianDragTool::~LaplacianDragTool() {
   }
 }
 
-/// Reports exceptions as messages, since functions that Qt calls must not throw.
 void LaplacianDragTool::guarded(const std::function<void()>& call) {
   try {
     call();
@@ -67,7 +66,30 @@ void LaplacianDragTool::say(const std::string& line) {
 
 // --- On and off -----------------------------------------------------------------------------------------------------
 
-bool LaplacianDragTool::start() {
+bool LaplacianDragTool::start(GLArea* area, MLSceneGLSharedDataContext* shared) {
+  window_.attach(area, shared);
+  setParent(&window_.viewport());
+  bool isStarted = false;
+  guarded([&] { isStarted = begin(); });
+  return isStarted;
+}
+
+void LaplacianDragTool::end() {
+  guarded([this] { leave(); });
+}
+
+void LaplacianDragTool::changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) {
+  end();
+  window_.attach(area, shared);
+  if (!window_.currentLayer()) {
+    window_.endTool();  // otherwise MeshLab fails at the next change of layer
+  } else {
+    guarded([this] { begin(); });
+  }
+}
+
+/// Begins with the current layer. @return false if the tool stays off
+bool LaplacianDragTool::begin() {
   shared_ = &WindowSessions::of(*window_.viewport().window());
   active_ = nullptr;
   layer_ = -1;
@@ -103,7 +125,7 @@ bool LaplacianDragTool::start() {
   LayerSession* known = shared_->find(layer->id);
   const bool resume = known != nullptr && known->matches(*layer->mesh);
   if (resume && !known->inHistory.isEmpty()) {
-    known->historyPosition = window_.removeFromHistory("Laplacian Edit Replay", known->inHistory);
+    known->historyPosition = window_.removeFromHistory(known->inHistory);
   }
   if (known != nullptr && known->leftBy != nullptr && !resume) {
     finishLeft(*known, layer->id, true);
@@ -139,13 +161,14 @@ bool LaplacianDragTool::showNothing(const QString& reason) {
   return true;
 }
 
-/// Returns whether the current layer is no longer the one that start() read, as after an import or *Reload*. O(1).
+/// Returns whether the current layer is no longer the one that begin() read, as after an import or *Reload*. O(1).
 bool LaplacianDragTool::isStale() {
   const auto layer = on_ && !window_.loading() ? window_.currentLayer() : std::nullopt;
   return layer && (active_ ? layer->id == layer_ && !active_->seemsToMatch(*layer->mesh) : sizeOf(*layer) != refused_);
 }
 
-void LaplacianDragTool::end() {
+/// Ends the use of the layer, which may be deleted.
+void LaplacianDragTool::leave() {
   leaveViewport();
   if (shared_ && shared_->isUsedBy(*this)) {
     shared_->hidePanel();
@@ -226,7 +249,7 @@ void LaplacianDragTool::conclude(LayerSession& session, bool meshChanged) {
   const int position = std::exchange(session.historyPosition, -1);
   if (!edit.steps.empty() && !meshChanged) {
     session.inHistory = QString::fromStdString(write_edit(edit));
-    window_.addToHistory("Laplacian Edit Replay", session.inHistory, 1, position);
+    window_.addToHistory(session.inHistory, position);
   }
   if (session.session().has_steps()) {
     session.session().keep_painted();  // frees the factorisation, which takes much memory
@@ -345,7 +368,7 @@ void LaplacianDragTool::afterEvent() {
   writing.start();
   const LayerSession::Update update = write(*active_, layer_);
   if (update == LayerSession::Update::MeshChanged) {
-    start();
+    begin();
   } else if (update != LayerSession::Update::Nothing) {
     const double written = active_->writeMilliseconds();
     clock_.poseArrived(active_->session().figures().solve_ms.value_or(0), written, milliseconds(writing) - written);

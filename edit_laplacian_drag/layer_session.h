@@ -7,7 +7,7 @@
 #include "lapedit/session/drag_session.h"
 #include "lapedit_host/pose_writer.h"
 
-class SessionUser;
+class LaplacianDragTool;
 
 /// A dragging session with the mesh of one layer; writes poses into the mesh.
 class LayerSession {
@@ -37,9 +37,9 @@ class LayerSession {
     return lapedit::host::selected_vertices_and_corners(mesh, coreVertex_);
   }
 
-  QString inHistory;              ///< the last edit in the document's history
-  int historyPosition = -1;       ///< where it was in the history; -1: it is appended
-  SessionUser* leftBy = nullptr;  ///< who left the session with a released drag to be solved; null: none
+  QString inHistory;                    ///< the last edit in the document's history
+  int historyPosition = -1;             ///< where it was in the history; -1: it is appended
+  LaplacianDragTool* leftBy = nullptr;  ///< who left the session with a released drag to be solved; null: none
 
  private:
   LayerSession(const CMeshO& mesh, const lapedit::host::BridgedMesh& bridged,

@@ -8,7 +8,7 @@
 
 #include "lapedit/live/background_task.h"
 #include "lapedit/session/snap.h"
-#include "lapedit_host/tool/edit_tool.h"
+#include "lapedit_host/tool/host_view.h"
 
 /// The surfaces of the other visible layers, to snap to. The window's thread reads them in pieces, and another thread
 /// builds their search trees, so that no event waits.

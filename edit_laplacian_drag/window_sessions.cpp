@@ -11,6 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "laplacian_drag_tool.h"
+
 namespace {
 
 constexpr int kPictureWidth = 900;  // pixels
@@ -74,7 +76,7 @@ void WindowSessions::followProject() {
   }
 }
 
-void WindowSessions::begin(SessionUser& user, QObject* document, int layer) {
+void WindowSessions::begin(LaplacianDragTool& user, QObject* document, int layer) {
   if (user_ && user_ != &user) {
     // Before the change, so that the previous user still receives poses.
     user_->handOver(document == document_ && layer == layer_);
@@ -84,7 +86,7 @@ void WindowSessions::begin(SessionUser& user, QObject* document, int layer) {
   layer_ = layer;
 }
 
-void WindowSessions::end(SessionUser& user) {
+void WindowSessions::end(LaplacianDragTool& user) {
   if (user_ == &user) {
     user_ = nullptr;
     document_ = nullptr;
@@ -92,10 +94,10 @@ void WindowSessions::end(SessionUser& user) {
   }
 }
 
-std::vector<std::pair<LayerSession*, int>> WindowSessions::left(const SessionUser* user) const {
+std::vector<std::pair<LayerSession*, int>> WindowSessions::left(const LaplacianDragTool* user) const {
   std::vector<std::pair<LayerSession*, int>> found;
   for (const auto& [key, known] : sessions_) {
-    const SessionUser* const by = known.session ? known.session->leftBy : nullptr;
+    const LaplacianDragTool* const by = known.session ? known.session->leftBy : nullptr;
     if (by != nullptr && (user == nullptr || by == user)) {
       found.emplace_back(known.session.get(), key.second);
     }
@@ -132,7 +134,7 @@ WindowSessions::Sessions::iterator WindowSessions::find(const LayerSession& sess
 LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
   lapedit::DragSession::Callbacks callbacks;
   callbacks.log = [this](const std::string& line) {
-    if (SessionUser* const user = finishing_ ? finishing_ : user_) {
+    if (LaplacianDragTool* const user = finishing_ ? finishing_ : user_) {
       user->log(line);
     }
   };

@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,27 +14,8 @@
 #include "layer_session.h"
 #include "panel.h"
 
+class LaplacianDragTool;
 class QMdiArea;
-
-/// The user of the panel and the sessions, one at a time: the tool in a view.
-class SessionUser {
- public:
-  /// Called when another user begins. @param sameSession  true: it continues this session, which must not end
-  virtual void handOver(bool sameSession) = 0;
-  /// Called before the sessions are deleted: the user must not use them any more.
-  virtual void sessionGone() = 0;
-  virtual QWidget& viewport() = 0;
-  virtual CMeshO* meshOf(int layer) = 0;  ///< null if it was deleted
-  virtual void log(const std::string& line) = 0;
-  virtual void poll() = 0;  ///< called when the session has results
-  /// Called when a session with LayerSession::leftBy has results. @param now  whether to cancel a drag that is not
-  /// solved
-  virtual void finishLeft(LayerSession& session, int layer, bool now) = 0;
-  virtual std::shared_ptr<const lapedit::SnapTargets> findTargets() = 0;
-
- protected:
-  ~SessionUser() = default;
-};
 
 /// Shared by the tools in one main window's views: the panel, and a session for each edited layer. One per main window,
 /// and its child.
@@ -52,12 +32,12 @@ class WindowSessions : public QObject {
   void hidePanel();
 
   /// Makes this the user of the panel, and notifies the previous one.
-  void begin(SessionUser& user, QObject* document, int layer);
-  void end(SessionUser& user);  ///< no effect if it is not the current user
+  void begin(LaplacianDragTool& user, QObject* document, int layer);
+  void end(LaplacianDragTool& user);  ///< no effect if it is not the current user
   /// Returns the sessions with LayerSession::leftBy, and their layers. @param user  null: of all users
-  std::vector<std::pair<LayerSession*, int>> left(const SessionUser* user = nullptr) const;
+  std::vector<std::pair<LayerSession*, int>> left(const LaplacianDragTool* user = nullptr) const;
   void pollSoon();  ///< as if a session had results
-  bool isUsedBy(const SessionUser& user) const { return user_ == &user; }
+  bool isUsedBy(const LaplacianDragTool& user) const { return user_ == &user; }
 
   // Layers of the user's document.
 
@@ -90,9 +70,9 @@ class WindowSessions : public QObject {
 
   QPointer<Panel> panel_;
   QMdiArea* projects_;  // null if there is none
-  SessionUser* user_ = nullptr;
-  SessionUser* finishing_ = nullptr;  // who finishes a session that was left, during the call
-  QObject* document_ = nullptr;       // the user's
+  LaplacianDragTool* user_ = nullptr;
+  LaplacianDragTool* finishing_ = nullptr;  // who finishes a session that was left, during the call
+  QObject* document_ = nullptr;             // the user's
   int layer_ = -1;
   std::atomic<bool> pollQueued_{false};
   // Last: their threads end first.
