@@ -132,6 +132,9 @@ bool LaplacianDragTool::begin() {
   }
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
+    if (resume) {
+      active_->resume(*layer->mesh);
+    }
     active_->leftBy = nullptr;
   } catch (const EditError& error) {
     say(error.what());

@@ -22,6 +22,9 @@ class LayerSession {
   /// As matches(), for some vertices only: O(1).
   bool seemsToMatch(const CMeshO& mesh) const { return writer_.seems_to_match(mesh); }
 
+  /// Continues in a mesh that matches, but may have other normals than before.
+  void resume(const CMeshO& mesh) { writer_.keep_normals(mesh); }
+
   enum class Update {
     Nothing,     ///< no vertex has moved
     Passing,     ///< a pose in progress was written

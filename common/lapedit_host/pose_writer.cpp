@@ -219,6 +219,26 @@ bool PoseWriter::write(CMeshO& host, const std::vector<int>& vertices, const Poi
   return true;
 }
 
+void PoseWriter::keep_normals(const CMeshO& host) {
+  std::vector<char> is_affected(now_.size(), 0);
+  for (std::size_t f = 0; f < host_face_.size(); ++f) {
+    const auto corners = faces_.row(static_cast<Eigen::Index>(f));
+    if (std::any_of(corners.begin(), corners.end(), [&](int v) { return now_[static_cast<std::size_t>(v)].is_away; })) {
+      for (const int v : corners) {
+        is_affected[static_cast<std::size_t>(v)] = 1;
+      }
+    } else {
+      first_face_normals_[f] = host.face[static_cast<std::size_t>(host_face_[f])].cN();
+    }
+  }
+  for (std::size_t v = 0; v < now_.size(); ++v) {
+    if (!is_affected[v]) {
+      first_normals_[v] = host.vert[static_cast<std::size_t>(host_vertex_[v])].cN();
+    }
+  }
+  first_box_ = away_.empty() ? host.bbox : first_box_;
+}
+
 bool PoseWriter::seems_to_match(const CMeshO& host) const {
   const auto some_are_ours = [&](std::size_t count, std::size_t most, const auto& vertex) {
     for (std::size_t i = 0; i < count; i += count / most + 1) {

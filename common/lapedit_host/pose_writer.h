@@ -40,6 +40,10 @@ class PoseWriter {
   /// the first settled pose allocates.
   bool write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled);
 
+  /// Makes the normals and the box that the host mesh has now the first ones, except those that moved vertices affect:
+  /// other code may have changed them. matches() has to hold. O(vertices + faces).
+  void keep_normals(const CMeshO& host);
+
   /// Returns whether vertices and faces of the host mesh are still those of construction, and positions those of the
   /// last write(). O(vertices + faces).
   bool matches(const CMeshO& host) const;
