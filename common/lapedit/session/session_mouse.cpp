@@ -60,7 +60,7 @@ std::optional<SurfaceHit> SessionMouse::hit(const Cursor& cursor) {
 void SessionMouse::poll() {
   if (const std::string error = model_.background.poll(); !error.empty()) {
     drop_waiting();
-    model_.log(messages::not_possible(error));
+    model_.log(format_text(messages::kNotPossible, error.c_str()));
     model_.refusal = error;
   }
   if (!solver_.waits() && !searching() && !waiting_.empty()) {

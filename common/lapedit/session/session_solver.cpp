@@ -442,7 +442,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
   model_.log(messages::edit_applied(results.size()));
   for (std::size_t k = 0; k < results.size(); ++k) {
     if (const std::string advice = results[k].reports.front().advice(); !advice.empty()) {
-      model_.log(messages::loaded_step_advice(k + 1, advice));
+      model_.log(format_text(messages::kLoadedStepAdvice, k + 1, advice.c_str()));
     }
   }
   model_.tools.mirror = model_.history.steps().back().step.mirror;
@@ -462,7 +462,7 @@ void SessionSolver::progress() {
 
 void SessionSolver::on_error(const std::string& sentence) {
   preparation_ = {};
-  model_.log(messages::not_possible(sentence));
+  model_.log(format_text(messages::kNotPossible, sentence.c_str()));
   if (in_progress()) {
     discard();
   }
@@ -562,7 +562,7 @@ SessionSolver::Response SessionSolver::poll() {
   }
   if (!update.pose_error.empty()) {
     if (waits()) {
-      model_.log(messages::not_possible(update.pose_error));
+      model_.log(format_text(messages::kNotPossible, update.pose_error.c_str()));
       discard();
     }
     model_.refusal = update.pose_error;
