@@ -337,17 +337,10 @@ std::optional<Layer> LaplacianDragTool::usableLayer() {
   return layer && layer->id == layer_ && layer->visible ? layer : std::nullopt;
 }
 
-/// Reads a piece of the layers to snap to, and continues after pending events.
+/// Reads the layers to snap to, if they have changed.
 void LaplacianDragTool::readOthers() {
-  if (active_ && active_->session().tools().snaps && !readQueued_ && others_.read(window_.layers(), layer_)) {
-    readQueued_ = true;
-    QTimer::singleShot(0, this, [this] {
-      readQueued_ = false;
-      guarded([this] {
-        readOthers();
-        refreshPanel();
-      });
-    });
+  if (active_ && active_->session().tools().snaps) {
+    others_.read(window_.layers(), layer_);
   }
 }
 

@@ -134,7 +134,6 @@ class LaplacianDragTool : public QObject {
   } mouse_;
 
   OtherLayers others_;
-  bool readQueued_ = false;
 
   FrameClock clock_;
   bool repaintQueued_ = false;
