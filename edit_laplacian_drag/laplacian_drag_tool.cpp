@@ -28,10 +28,6 @@ Eigen::Vector3i sizeOf(const Layer& layer) {
 /// How long leaving a layer waits for a released drag, which many are solved in.
 constexpr std::chrono::milliseconds kLongestFinish{50};
 
-double milliseconds(const QElapsedTimer& timer) {
-  return static_cast<double>(timer.nsecsElapsed()) * 1e-6;
-}
-
 }  // namespace
 
 LaplacianDragTool::LaplacianDragTool()
@@ -360,14 +356,11 @@ void LaplacianDragTool::afterEvent() {
   if (!active_) {
     return;
   }
-  QElapsedTimer writing;
-  writing.start();
   const LayerSession::Update update = write(*active_, layer_);
   if (update == LayerSession::Update::MeshChanged) {
     begin();
   } else if (update != LayerSession::Update::Nothing) {
-    const double written = active_->writeMilliseconds();
-    clock_.poseArrived(active_->session().figures().solve_ms.value_or(0), written, milliseconds(writing) - written);
+    clock_.poseArrived();
   }
   readOthers();
   refreshPanel();
@@ -380,10 +373,13 @@ void LaplacianDragTool::refreshPanel() {
     return;
   }
   DragSession* const session = active_ ? &active_->session() : nullptr;
-  shared_->panel().show(session, clock_.median());
-  shared_->panel().setBusy(session && (session->busy() || session->searching() ||
-                                       session->state() == DragSession::State::Settling ||
-                                       (session->tools().snaps && (others_.targets() == nullptr || others_.busy()))));
+  shared_->panel().show(session);
+  const bool isReading = session && session->tools().snaps && (others_.targets() == nullptr || others_.busy());
+  const bool isSolving = session && session->state() == DragSession::State::Settling;
+  // For tests.
+  shared_->panel().setProperty("laplacian_drag_busy",
+                               session && (session->busy() || session->searching() || isSolving || isReading));
+  shared_->panel().setProperty("laplacian_drag_frames", clock_.frames());
 }
 
 // --- The panel's buttons --------------------------------------------------------------------------------------------

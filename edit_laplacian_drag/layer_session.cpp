@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "layer_session.h"
 
-#include <QElapsedTimer>
-
 using namespace lapedit;
 using namespace lapedit::host;
 
@@ -19,11 +17,8 @@ LayerSession::Update LayerSession::update(CMeshO& mesh) {
   if (change == nullptr) {
     return Update::Nothing;
   }
-  QElapsedTimer timer;
-  timer.start();
   if (!writer_.write(mesh, change->vertices, change->positions, change->settled)) {
     return Update::MeshChanged;
   }
-  writeMilliseconds_ = static_cast<double>(timer.nsecsElapsed()) * 1e-6;
   return change->settled ? Update::Settled : Update::Passing;
 }

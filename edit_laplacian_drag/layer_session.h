@@ -33,7 +33,6 @@ class LayerSession {
   };
   /// Writes the vertices that have moved since the last call into the layer's mesh.
   Update update(CMeshO& mesh);
-  double writeMilliseconds() const { return writeMilliseconds_; }  ///< of the last pose
 
   /// Returns the vertices that are selected in MeshLab, or are corners of selected faces.
   std::vector<int> selected(const CMeshO& mesh) const {
@@ -49,7 +48,6 @@ class LayerSession {
                const lapedit::DragSession::Callbacks& callbacks);
 
   std::vector<int> coreVertex_;  // by numbers of MeshLab's mesh
-  double writeMilliseconds_ = 0;
   lapedit::DragSession session_;
   lapedit::host::PoseWriter writer_;
 };

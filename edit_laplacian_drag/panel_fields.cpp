@@ -88,9 +88,11 @@ void Panel::change(const Change& change) {
 template <class Widget, class Value>
 void Panel::follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value)) {
   connect(box, changed, this, [this, set = access.set](Value value) {
-    DragSettings settings = settings_;
-    set(settings, value);
-    change([settings](DragSession& session) { session.set_settings(settings); });
+    change([set, value](DragSession& session) {
+      DragSettings settings = session.settings();
+      set(settings, value);
+      session.set_settings(settings);
+    });
   });
   shown_.push_back([box, bring, get = access.get](const DragSession& session) {
     if (box->hasFocus()) {

@@ -116,9 +116,11 @@ void Panel::addDetail() {
                 "doubles them. "
                 "Needs no drag: press on the dent, or paint it, then move this"),
              [this](int percent, bool passing) {
-               DragSettings settings = settings_;
-               settings.edit.detail = percent / 100.0;
-               change([settings, passing](DragSession& session) { session.set_settings(settings, passing); });
+               change([percent, passing](DragSession& session) {
+                 DragSettings settings = session.settings();
+                 settings.edit.detail = percent / 100.0;
+                 session.set_settings(settings, passing);
+               });
              });
   row({}, detail);
   shown_.push_back([detail, title = titles_.back()](const DragSession& session) {
@@ -251,10 +253,9 @@ void Panel::addView() {
   times_ = figure("times",
                   tr("Milliseconds until the first frame of a drag was possible, to prepare the region and to solve "
                      "for the last pose"));
-  frame_ = figure("frame", tr("A frame of the drag, from the mouse's move to the picture: medians of the last frames"));
   quality_ = figure("quality", tr("Of the last pose: how far the handle is from its target, the most stretched edge, "
                                   "and where it folded"));
-  for (QLabel* label : {region_, times_, frame_, quality_}) {
+  for (QLabel* label : {region_, times_, quality_}) {
     form_->addRow(label);
   }
 }

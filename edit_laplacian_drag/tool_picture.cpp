@@ -178,8 +178,7 @@ bool LaplacianDragTool::poseIsComing() const {
 }
 
 void LaplacianDragTool::framePainted() {
-  if (clock_.painted() && shared_ && shared_->isUsedBy(*this)) {
-    shared_->panel().setFrames(clock_.frames());
+  if (clock_.painted()) {
     refreshPanel();
   }
   // The moving outline of a region shows that it is being prepared; most of the processor is left to the preparation.
