@@ -4,6 +4,7 @@
 #include <QString>
 #include <vector>
 
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/drag_session.h"
 #include "lapedit_host/pose_writer.h"
 
@@ -36,7 +37,8 @@ class LayerSession {
 
   /// Returns the vertices that are selected in MeshLab, or are corners of selected faces.
   std::vector<int> selected(const CMeshO& mesh) const {
-    return lapedit::host::selected_vertices_and_corners(mesh, coreVertex_);
+    return lapedit::united(lapedit::host::selected_vertices(mesh, coreVertex_),
+                           lapedit::host::vertices_of_selected_faces(mesh, coreVertex_));
   }
 
   QString inHistory;                    ///< the last edit in the document's history
