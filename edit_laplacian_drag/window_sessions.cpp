@@ -13,11 +13,37 @@
 
 #include "laplacian_drag_tool.h"
 
+using namespace lapedit;
+using namespace lapedit::host;
+
 namespace {
 
 constexpr int kPictureWidth = 900;  // pixels
 
 }  // namespace
+
+// --- LayerSession ----------------------------------------------------------------------------------------------------
+
+LayerSession::LayerSession(const CMeshO& mesh, const DragSession::Callbacks& callbacks)
+    : LayerSession(mesh, read_mesh(mesh), callbacks) {}
+
+LayerSession::LayerSession(const CMeshO& mesh, const BridgedMesh& bridged, const DragSession::Callbacks& callbacks)
+    : coreVertex_(bridged.core_vertex),
+      session_(bridged.mesh, kStoredScalar, callbacks),
+      writer_(mesh, bridged, session_.given_adjacency()) {}
+
+LayerSession::Update LayerSession::update(CMeshO& mesh) {
+  const PoseChange* const change = session_.take_change();
+  if (change == nullptr) {
+    return Update::Nothing;
+  }
+  if (!writer_.write(mesh, change->vertices, change->positions, change->settled)) {
+    return Update::MeshChanged;
+  }
+  return change->settled ? Update::Settled : Update::Passing;
+}
+
+// --- WindowSessions --------------------------------------------------------------------------------------------------
 
 WindowSessions& WindowSessions::of(QWidget& window) {
   auto* found = window.findChild<WindowSessions*>(QString(), Qt::FindDirectChildrenOnly);
@@ -132,7 +158,7 @@ WindowSessions::Sessions::iterator WindowSessions::find(const LayerSession& sess
 }
 
 LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
-  lapedit::DragSession::Callbacks callbacks;
+  DragSession::Callbacks callbacks;
   callbacks.log = [this](const std::string& line) {
     if (LaplacianDragTool* const user = finishing_ ? finishing_ : user_) {
       user->log(line);
@@ -172,9 +198,9 @@ void WindowSessions::endLater(std::unique_ptr<LayerSession> session) {
     return;
   }
   try {
-    ending_ = lapedit::JoinedThread([previous = std::move(ending_), last = std::move(session)]() mutable {
+    ending_ = JoinedThread([previous = std::move(ending_), last = std::move(session)]() mutable {
       last.reset();
-      previous = lapedit::JoinedThread();
+      previous = JoinedThread();
     });
   } catch (const std::system_error&) {
     // No thread is available: the session was deleted with the task.
