@@ -61,9 +61,11 @@ class Panel : public QDockWidget {
  private:
   /// Functions that read and write a widget's value.
   struct Access {
-    std::function<double(const lapedit::DragSettings&)> get;
-    std::function<void(lapedit::DragSettings&, double)> set;
+    std::function<double(const lapedit::DragSession&)> get;
+    std::function<void(lapedit::DragSession&, double)> set;
   };
+  static Access ofSettings(const std::function<double(const lapedit::DragSettings&)>& get,
+                           const std::function<void(lapedit::DragSettings&, double)>& set);
   /// @param factor  shown value over stored value
   template <auto member, int factor = 1>
   static Access access();
@@ -100,16 +102,12 @@ class Panel : public QDockWidget {
   /// @param set  called with the value while the slider is moved (passing), and at its release
   QSlider* slider(const char* part, int high, const QString& help, const std::function<void(int, bool passing)>& set);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
-  QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QCheckBox* check(const char* part, const QString& text, const QString& help, const Access& access);
   QPushButton* resetButton();
-  /// Creates a list for a value of the session that is not one of its settings.
-  QComboBox* state(const char* part, const QStringList& choices, const QString& help,
-                   const std::function<int(const lapedit::DragSession&)>& get,
-                   const std::function<void(lapedit::DragSession&, int)>& set);
+  QComboBox* choice(const char* part, const QStringList& choices, const QString& help, const Access& access);
   QPushButton* button(const char* part, const QString& text, const QString& help);
   QLabel* figure(const char* part, const QString& help);
-  /// Connects the widget: input changes the settings, and show() displays them.
+  /// Connects the widget: input changes the session, and show() displays its value.
   template <class Widget, class Value>
   void follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value));
   void change(const Change& change);
