@@ -512,10 +512,10 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
       set(&Tools::gizmo, !model_.tools.gizmo);
       return true;
     case DragKey::NextGroup:
-      model_.take(with_next_group(model_.selection));
+      model_.take(with_next(model_.selection, Selection::Next::Group));
       return true;
     case DragKey::NewRegion:
-      model_.take(with_next_region(model_.selection));
+      model_.take(with_next(model_.selection, Selection::Next::Region));
       return true;
     case DragKey::Curve:
       set(&Tools::mode, model_.selection.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);

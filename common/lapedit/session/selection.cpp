@@ -371,11 +371,10 @@ Choice with_region(const Surface& surface, const Selection& selection, std::vect
   return after;
 }
 
-Choice whole_component(const Surface& surface, const Selection& selection) {
-  if (selection.groups.empty()) {
+Choice whole_component(const Surface& surface, Selection after) {
+  if (after.groups.empty()) {
     return Refusal{messages::kNoComponent};
   }
-  Selection after = selection;
   after.region = RegionSpec();
   after.region.kind = RegionSpec::Kind::Component;
   after.has_region = true;
@@ -394,16 +393,14 @@ Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection) {
   });
 }
 
-Selection with_radius(const Surface& surface, const Selection& selection) {
-  Selection after = selection;
-  after.region = RegionSpec();
-  after.has_region = true;
-  after.by_hand = false;
-  return with_padding(with_discs(surface, after), surface.settings);
+Selection with_radius(const Surface& surface, Selection selection) {
+  selection.region = RegionSpec();
+  selection.has_region = true;
+  selection.by_hand = false;
+  return with_padding(with_discs(surface, std::move(selection)), surface.settings);
 }
 
-Selection with_discs(const Surface& surface, const Selection& selection) {
-  Selection after = selection;
+Selection with_discs(const Surface& surface, Selection after) {
   std::vector<int> others;
   for (std::size_t g = 0; g < after.groups.size(); ++g) {
     std::vector<int> grown;
@@ -423,14 +420,18 @@ Selection with_discs(const Surface& surface, const Selection& selection) {
   return after;
 }
 
-Selection with_padding(Selection selection, const DragSettings& settings) {
-  if (selection.region.padding != settings.padding) {
-    selection.region.anchors = KeptAnchors();
+void set_options(RegionSpec& region, const DragSettings& settings) {
+  if (region.padding != settings.padding) {
+    region.anchors = KeptAnchors();
   }
-  selection.region.padding = settings.padding;
-  selection.region.connect_gap = settings.connect_gap;
+  region.padding = settings.padding;
+  region.connect_gap = settings.connect_gap;
+  region.pieces = settings.pieces;
+}
+
+Selection with_padding(Selection selection, const DragSettings& settings) {
+  set_options(selection.region, settings);
   selection.region.tips = selection.region.kind == RegionSpec::Kind::Radius;
-  selection.region.pieces = settings.pieces;
   selection.region.held = selection.held;
   return selection;
 }
@@ -473,26 +474,18 @@ Selection only_painted(const Selection& selection, const DragSettings& settings)
 
 // --- What the next click does ---------------------------------------------------------------------------------------
 
-Selection with_mode(const Selection& selection, HandleMode mode) {
-  Selection after = selection;
-  after.mode = mode;
-  after.curve_end = -1;
-  return after;
+Selection with_mode(Selection selection, HandleMode mode) {
+  selection.mode = mode;
+  selection.curve_end = -1;
+  return selection;
 }
 
-Selection with_next_region(const Selection& selection) {
-  Selection after = selection;
-  after.next = Next::Region;
-  return after;
-}
-
-Choice with_next_group(const Selection& selection) {
-  if (selection.groups.empty()) {
+Choice with_next(Selection selection, Next next) {
+  if (next == Next::Group && selection.groups.empty()) {
     return Refusal{messages::kNoHandle};
   }
-  Selection after = selection;
-  after.next = Next::Group;
-  return after;
+  selection.next = next;
+  return selection;
 }
 
 Selection selection_of(const EditStep& step, const std::vector<int>& moved, const Selection& before,

@@ -130,17 +130,19 @@ std::optional<Refusal> refuse_vertices(const Surface& surface, const std::vector
 Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings);
 /// Makes these vertices the region, in any order; removes handle vertices outside it.
 Choice with_region(const Surface& surface, const Selection& selection, std::vector<int> vertices);
-Choice whole_component(const Surface& surface, const Selection& selection);
+Choice whole_component(const Surface& surface, Selection selection);
 Choice grown_by_a_ring(const Surface& surface, const Selection& selection);
 Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection);
 /// Computes the data of discs once their groups are known: their actual radius (smaller on a coarse mesh), the start of
 /// the region's radius, and weights.
 void follow_discs(const Surface& surface, Selection& selection);
 /// Grows region and discs by the radius of the settings.
-Selection with_radius(const Surface& surface, const Selection& selection);
+Selection with_radius(const Surface& surface, Selection selection);
 /// Gives discs the size of the settings; a region by radius is still measured from their centres.
-Selection with_discs(const Surface& surface, const Selection& selection);
-/// Applies padding and gap of the settings. Another padding discards kept anchors.
+Selection with_discs(const Surface& surface, Selection selection);
+/// Applies those settings that a region has, too. Another padding discards kept anchors.
+void set_options(RegionSpec& region, const DragSettings& settings);
+/// Applies them, and the fixed vertices, to the selection's region.
 Selection with_padding(Selection selection, const DragSettings& settings);
 /// Returns the region for other handles: as shown, with its anchors, except anchors next to the handle with nearly no
 /// weight, which are found again for the next handle.
@@ -152,9 +154,8 @@ Selection only_painted(const Selection& selection, const DragSettings& settings)
 
 // What the next click does -------------------------------------------------------------------------------------------
 
-Selection with_mode(const Selection& selection, HandleMode mode);
-Selection with_next_region(const Selection& selection);
-Choice with_next_group(const Selection& selection);
+Selection with_mode(Selection selection, HandleMode mode);
+Choice with_next(Selection selection, Selection::Next next);
 
 /// Returns the mean of the anchors at the region's boundary on the piece of a group: the shoulder of an arm. The
 /// group's centroid without anchors. O(region).

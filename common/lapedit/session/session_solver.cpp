@@ -356,12 +356,7 @@ void SessionSolver::adjust(bool open) {
   const DragSettings& settings = model_.settings;
   EditStep& step = in<Adjusting>()->step;
   step.settings = settings.edit;
-  if (step.region.padding != settings.padding) {
-    step.region.anchors = KeptAnchors();
-  }
-  step.region.padding = settings.padding;
-  step.region.connect_gap = settings.connect_gap;
-  step.region.pieces = settings.pieces;
+  set_options(step.region, settings);
   if (step.region.kind == RegionSpec::Kind::Radius) {
     step.region.radius =
         std::max(settings.radius - model_.selection.discs.reach, (1 - kLargestHandleFraction) * settings.radius);
