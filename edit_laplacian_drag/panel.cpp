@@ -138,9 +138,6 @@ void Panel::showFigures(const DragSession& session) {
   region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
                        .arg(count(figures.handle), count(figures.free), count(figures.anchors), count(figures.fixed))
                        .arg(figures.steps));
-  times_->setText(
-      tr("First frame after %1 ms, prepared in %2 ms, solved in %3 ms")
-          .arg(text(figures.preview_ms, 'f', 1), text(figures.prepare_ms, 'f', 1), text(figures.solve_ms, 'f', 1)));
   const auto stretch = figures.largest_stretch ? std::optional(100 * *figures.largest_stretch) : std::nullopt;
   quality_->setText(tr("Handle %1 from its target; largest stretch %2 %")
                         .arg(text(figures.handle_error, 'g', 3), text(stretch, 'f', 0)) +

@@ -134,6 +134,6 @@ class Panel : public QDockWidget {
   } history_;
   QComboBox* colours_;
   QProgressBar* progress_;
-  QLabel *region_, *times_, *quality_;
+  QLabel *region_, *quality_;
   std::map<QString, QPushButton*> buttons_;
 };

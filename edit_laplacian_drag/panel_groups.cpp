@@ -237,7 +237,7 @@ void Panel::addRegion() {
 }
 
 void Panel::addView() {
-  begin("statistics", tr("View and figures"), tr("Colours over the surface, counts, times and quality"));
+  begin("statistics", tr("View and figures"), tr("Colours over the surface, counts and quality"));
   colours_ =
       prepared<QComboBox>("colours", tr("What the colours over the surface show; H hides them: with no colours, or "
                                         "with none during a drag, the shading of the surface is seen"));
@@ -245,12 +245,9 @@ void Panel::addView() {
   connect(colours_, QOverload<int>::of(&QComboBox::activated), this, [this] { change([](DragSession&) {}); });
   row(tr("Colours"), colours_);
   region_ = figure("region", tr("Vertices of the region by class, and of the mesh outside it"));
-  times_ = figure("times",
-                  tr("Milliseconds until the first frame of a drag was possible, to prepare the region and to solve "
-                     "for the last pose"));
   quality_ = figure("quality", tr("Of the last pose: how far the handle is from its target, the most stretched edge, "
                                   "and where it folded"));
-  for (QLabel* label : {region_, times_, quality_}) {
+  for (QLabel* label : {region_, quality_}) {
     form_->addRow(label);
   }
 }

@@ -145,7 +145,7 @@ void SessionSolver::request_preparation(PrepareTask task) {
 }
 
 void SessionSolver::prepare() {
-  figures_.preview_ms = figures_.prepare_ms = std::nullopt;
+  figures_.prepare_ms = std::nullopt;
   ToolState& tools = model_.tools;
   tools.mirrored.reset();
   const Selection& selection = model_.selection;
@@ -597,7 +597,6 @@ SessionSolver::Response SessionSolver::poll() {
   }
   if (update.preview) {
     preparation_.has_preview = true;
-    figures_.preview_ms = update.preview_ms;
   }
   if (update.ready) {
     preparation_ = Preparation();
