@@ -26,7 +26,7 @@ void drawMotion(const DragSession& session, double pixelRatio) {
   }
 }
 
-/// Draws a line from the active handle's target to where contact stops it.
+/// Draws a line from the active handle's target to where contact stops it, which a solved pose shows.
 void drawStop(const DragSession& session, double pixelRatio) {
   constexpr double kVisible = 0.02;  // of the radius
   const ShownRegion& shown = session.shown();
@@ -155,7 +155,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   glDisable(GL_DEPTH_TEST);
   if (session.motion()) {
     drawMotion(session, ratio);
-    if (session.settings().edit.contact && session.shown().region()) {
+    if (session.settings().edit.contact && session.shown().away()) {
       drawStop(session, ratio);
     }
   }
