@@ -5,7 +5,7 @@
 #include <string>
 
 #include "lapedit/edit/edit.h"
-#include "lapedit_host/tool/edit_tool.h"
+#include "lapedit_host/tool/host_view.h"
 
 /// Saving and loading edits in the window.
 

@@ -3,11 +3,14 @@
 
 #include "edit_tool_plugin.h"
 
-class EditLaplacianDrag : public lapedit::host::EditToolPlugin {
+class EditLaplacianDrag : public lapedit::host::HostToolPlugin {
   Q_OBJECT
   Q_PLUGIN_METADATA(IID LAPEDIT_EDIT_IID)
   Q_INTERFACES(LAPEDIT_EDIT_INTERFACE)
 
  public:
   EditLaplacianDrag();
+
+ private:
+  lapedit::host::HostTool* newTool() override;
 };

@@ -28,14 +28,10 @@ Eigen::Vector3i sizeOf(const Layer& layer) {
 /// How long leaving a layer waits for a released drag, which many are solved in.
 constexpr std::chrono::milliseconds kLongestFinish{50};
 
-double milliseconds(const QElapsedTimer& timer) {
-  return static_cast<double>(timer.nsecsElapsed()) * 1e-6;
-}
-
 }  // namespace
 
-LaplacianDragTool::LaplacianDragTool(HostWindow& window)
-    : window_(window), others_([this] {
+LaplacianDragTool::LaplacianDragTool()
+    : others_([this] {
         QMetaObject::invokeMethod(
             this, [this] { poll(); }, Qt::QueuedConnection);
       }) {}
@@ -50,7 +46,6 @@ LaplacianDragTool::~LaplacianDragTool() {
   }
 }
 
-/// Reports exceptions as messages, since functions that Qt calls must not throw.
 void LaplacianDragTool::guarded(const std::function<void()>& call) {
   try {
     call();
@@ -67,7 +62,30 @@ void LaplacianDragTool::say(const std::string& line) {
 
 // --- On and off -----------------------------------------------------------------------------------------------------
 
-bool LaplacianDragTool::start() {
+bool LaplacianDragTool::start(GLArea* area, MLSceneGLSharedDataContext* shared) {
+  window_.attach(area, shared);
+  setParent(&window_.viewport());
+  bool isStarted = false;
+  guarded([&] { isStarted = begin(); });
+  return isStarted;
+}
+
+void LaplacianDragTool::end() {
+  guarded([this] { leave(); });
+}
+
+void LaplacianDragTool::changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) {
+  end();
+  window_.attach(area, shared);
+  if (!window_.currentLayer()) {
+    window_.endTool();  // otherwise MeshLab fails at the next change of layer
+  } else {
+    guarded([this] { begin(); });
+  }
+}
+
+/// Begins with the current layer. @return false if the tool stays off
+bool LaplacianDragTool::begin() {
   shared_ = &WindowSessions::of(*window_.viewport().window());
   active_ = nullptr;
   layer_ = -1;
@@ -103,13 +121,16 @@ bool LaplacianDragTool::start() {
   LayerSession* known = shared_->find(layer->id);
   const bool resume = known != nullptr && known->matches(*layer->mesh);
   if (resume && !known->inHistory.isEmpty()) {
-    known->historyPosition = window_.removeFromHistory("Laplacian Edit Replay", known->inHistory);
+    known->historyPosition = window_.removeFromHistory(known->inHistory);
   }
   if (known != nullptr && known->leftBy != nullptr && !resume) {
     finishLeft(*known, layer->id, true);
   }
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
+    if (resume) {
+      active_->resume(*layer->mesh);
+    }
     active_->leftBy = nullptr;
   } catch (const EditError& error) {
     say(error.what());
@@ -139,13 +160,14 @@ bool LaplacianDragTool::showNothing(const QString& reason) {
   return true;
 }
 
-/// Returns whether the current layer is no longer the one that start() read, as after an import or *Reload*. O(1).
+/// Returns whether the current layer is no longer the one that begin() read, as after an import or *Reload*. O(1).
 bool LaplacianDragTool::isStale() {
   const auto layer = on_ && !window_.loading() ? window_.currentLayer() : std::nullopt;
   return layer && (active_ ? layer->id == layer_ && !active_->seemsToMatch(*layer->mesh) : sizeOf(*layer) != refused_);
 }
 
-void LaplacianDragTool::end() {
+/// Ends the use of the layer, which may be deleted.
+void LaplacianDragTool::leave() {
   leaveViewport();
   if (shared_ && shared_->isUsedBy(*this)) {
     shared_->hidePanel();
@@ -226,7 +248,7 @@ void LaplacianDragTool::conclude(LayerSession& session, bool meshChanged) {
   const int position = std::exchange(session.historyPosition, -1);
   if (!edit.steps.empty() && !meshChanged) {
     session.inHistory = QString::fromStdString(write_edit(edit));
-    window_.addToHistory("Laplacian Edit Replay", session.inHistory, 1, position);
+    window_.addToHistory(session.inHistory, position);
   }
   if (session.session().has_steps()) {
     session.session().keep_painted();  // frees the factorisation, which takes much memory
@@ -311,17 +333,10 @@ std::optional<Layer> LaplacianDragTool::usableLayer() {
   return layer && layer->id == layer_ && layer->visible ? layer : std::nullopt;
 }
 
-/// Reads a piece of the layers to snap to, and continues after pending events.
+/// Reads the layers to snap to, if they have changed.
 void LaplacianDragTool::readOthers() {
-  if (active_ && active_->session().tools().snaps && !readQueued_ && others_.read(window_.layers(), layer_)) {
-    readQueued_ = true;
-    QTimer::singleShot(0, this, [this] {
-      readQueued_ = false;
-      guarded([this] {
-        readOthers();
-        refreshPanel();
-      });
-    });
+  if (active_ && active_->session().tools().snaps) {
+    others_.read(window_.layers(), layer_);
   }
 }
 
@@ -341,14 +356,11 @@ void LaplacianDragTool::afterEvent() {
   if (!active_) {
     return;
   }
-  QElapsedTimer writing;
-  writing.start();
   const LayerSession::Update update = write(*active_, layer_);
   if (update == LayerSession::Update::MeshChanged) {
-    start();
+    begin();
   } else if (update != LayerSession::Update::Nothing) {
-    const double written = active_->writeMilliseconds();
-    clock_.poseArrived(active_->session().figures().solve_ms.value_or(0), written, milliseconds(writing) - written);
+    clock_.poseArrived();
   }
   readOthers();
   refreshPanel();
@@ -361,10 +373,13 @@ void LaplacianDragTool::refreshPanel() {
     return;
   }
   DragSession* const session = active_ ? &active_->session() : nullptr;
-  shared_->panel().show(session, clock_.median());
-  shared_->panel().setBusy(session && (session->busy() || session->searching() ||
-                                       session->state() == DragSession::State::Settling ||
-                                       (session->tools().snaps && (others_.targets() == nullptr || others_.busy()))));
+  shared_->panel().show(session);
+  const bool isReading = session && session->tools().snaps && (others_.targets() == nullptr || others_.busy());
+  const bool isSolving = session && session->state() == DragSession::State::Settling;
+  // For tests.
+  shared_->panel().setProperty("laplacian_drag_busy",
+                               session && (session->busy() || session->searching() || isSolving || isReading));
+  shared_->panel().setProperty("laplacian_drag_frames", clock_.frames());
 }
 
 // --- The panel's buttons --------------------------------------------------------------------------------------------

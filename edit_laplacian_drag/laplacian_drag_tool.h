@@ -12,47 +12,60 @@
 #include <vector>
 
 #include "frame_clock.h"
-#include "lapedit_host/tool/edit_tool.h"
+#include "lapedit_host/tool/host_view.h"
 #include "line_picture.h"
 #include "other_layers.h"
 #include "overlay.h"
 #include "window_sessions.h"
 
 /// The tool in one view: passes mouse and keys to the session of the current layer, and draws it.
-class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool, public SessionUser {
+class LaplacianDragTool : public QObject {
   Q_OBJECT
 
  public:
   static constexpr const char* kTitle = "Laplacian Drag";
 
-  explicit LaplacianDragTool(lapedit::host::HostWindow& window);
+  LaplacianDragTool();
   ~LaplacianDragTool() override;
 
-  bool start() override;
-  void end() override;
-  void draw() override;
-  void mousePress(QMouseEvent& event) override;
-  void mouseMove(QMouseEvent& event) override;
-  void mouseRelease(QMouseEvent& event) override;
-  void wheel(QWheelEvent& event) override;
-  void keyPress(QKeyEvent& event) override;
-  void keyRelease(QKeyEvent& event) override;
+  // Called by WindowSessions, whose panel and sessions one tool uses at a time.
 
-  void handOver(bool sameSession) override;
-  void sessionGone() override;
-  QWidget& viewport() override { return window_.viewport(); }
-  CMeshO* meshOf(int layer) override;
-  void log(const std::string& line) override { window_.log(line); }
-  void poll() override;
-  void finishLeft(LayerSession& session, int layer, bool now) override;
-  std::shared_ptr<const lapedit::SnapTargets> findTargets() override { return others_.targets(); }
+  /// Called when another tool begins to use them. @param sameSession  it continues this session, which must not end
+  void handOver(bool sameSession);
+  /// Called before the sessions are deleted: this tool must not use them any more.
+  void sessionGone();
+  QWidget& viewport() { return window_.viewport(); }
+  CMeshO* meshOf(int layer);  ///< null if it was deleted
+  void log(const std::string& line) { window_.log(line); }
+  void poll();  ///< called when the session has results
+  /// Called when a session with LayerSession::leftBy has results. @param now  whether to cancel a drag that is not
+  /// solved
+  void finishLeft(LayerSession& session, int layer, bool now);
+  std::shared_ptr<const lapedit::SnapTargets> findTargets() { return others_.targets(); }
 
   bool eventFilter(QObject* object, QEvent* event) override;
+
+ protected:
+  // Events of MeshLab's view, see edit_laplacian_drag.cpp. Those of mouse and keys may throw.
+  bool start(GLArea* area, MLSceneGLSharedDataContext* shared);
+  void end();
+  void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared);
+  void draw();
+  void mousePress(QMouseEvent& event);  ///< also the second press of a double click
+  void mouseMove(QMouseEvent& event);
+  void mouseRelease(QMouseEvent& event);
+  void wheel(QWheelEvent& event);
+  void keyPress(QKeyEvent& event);
+  void keyRelease(QKeyEvent& event);
+  void guarded(const std::function<void()>& call);  ///< reports exceptions, which would end MeshLab
 
  private slots:
   void layersChanged();
 
  private:
+  bool begin();
+  void leave();
+  void drawAll();
   std::optional<lapedit::host::Layer> usableLayer();
   bool showNothing(const QString& reason);
   bool isStale();
@@ -93,9 +106,8 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   void say(const std::string& line);
   void saySwitch(lapedit::DragKey key);
   void saySettings(const lapedit::DragSettings& before);
-  void guarded(const std::function<void()>& call);  ///< reports exceptions, which must not reach Qt
 
-  lapedit::host::HostWindow& window_;
+  lapedit::host::HostView window_{kTitle};
   QPointer<WindowSessions> shared_;
   Overlay overlay_;
   LinePicture linePicture_;
@@ -122,7 +134,6 @@ class LaplacianDragTool : public QObject, public lapedit::host::InteractiveTool,
   } mouse_;
 
   OtherLayers others_;
-  bool readQueued_ = false;
 
   FrameClock clock_;
   bool repaintQueued_ = false;

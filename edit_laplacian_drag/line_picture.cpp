@@ -5,9 +5,10 @@
 
 #include <QPainter>
 #include <algorithm>
+#include <cmath>
 
 #include "lapedit/session/drag_key.h"
-#include "pen.h"
+#include "surface_picture.h"
 
 using namespace lapedit;
 
@@ -117,6 +118,26 @@ QImage pictureOfKeys(double pixelRatio) {
   return image;
 }
 
+QImage pictureOfLegend(double pixelRatio) {
+  const QSize size(220, 48);
+  QImage image = blank(size, pixelRatio);
+  QPainter painter(&image);
+  background(painter, size, colorOf(pen::kDark, 190));
+  for (int x = 0; x < 200; ++x) {
+    const double factor = std::exp2((x - 99.5) / 50);
+    painter.fillRect(10 + x, 20, 1, 9,
+                     colorOf(stretchColor(static_cast<float>(factor > 1 ? factor - 1 : 1 - 1 / factor))));
+  }
+  painter.setFont(fontOf(kFontPixels - 1));
+  painter.setPen(Qt::white);
+  painter.drawText(QRect(0, 4, size.width(), 16), Qt::AlignHCenter, "Length of edges");
+  const char* const factors[] = {"1/4", "1/2", "1", "2", "4"};
+  for (int i = 0; i < 5; ++i) {
+    painter.drawText(QRect(50 * i - 10, 31, 40, 16), Qt::AlignHCenter, QString(factors[i]));
+  }
+  return image;
+}
+
 /// Draws an image. The current coordinates have to be pixels of the view. @param corner  upper left
 void put(const QImage& image, const QPointF& corner) {
   // OpenGL draws nothing if the raster position is outside the view.
@@ -126,6 +147,13 @@ void put(const QImage& image, const QPointF& corner) {
 }
 
 }  // namespace
+
+void StretchLegend::draw(double height, double pixelRatio) {
+  if (picture_.isNull() || picture_.devicePixelRatio() != pixelRatio) {
+    picture_ = pictureOfLegend(pixelRatio);
+  }
+  put(picture_, QPointF(12, height - 164));
+}
 
 void LinePicture::draw(const Line& line, const QSize& view, double pixelRatio, const QVector<QPointF>& avoid) {
   if (!(line == line_) || view != view_ || pixelRatio != pixelRatio_) {

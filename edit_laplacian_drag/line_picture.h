@@ -8,6 +8,16 @@
 #include <QString>
 #include <QVector>
 
+/// The legend of the colours of stretch. Draws with the current OpenGL context, in pixels of the view.
+class StretchLegend {
+ public:
+  /// Draws at the left, above MeshLab's own lines. @param height  of the view
+  void draw(double height, double pixelRatio);
+
+ private:
+  QImage picture_;
+};
+
 /// The line over the picture, and the table of keys. Draws with the current OpenGL context, in pixels of the view.
 class LinePicture {
  public:

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "overlay.h"
 
-#include <QPainter>
-#include <cmath>
+#include <algorithm>
 
 #include "gizmo_picture.h"
 #include "hover_picture.h"
@@ -27,7 +26,7 @@ void drawMotion(const DragSession& session, double pixelRatio) {
   }
 }
 
-/// Draws a line from the active handle's target to where contact stops it.
+/// Draws a line from the active handle's target to where contact stops it, which a solved pose shows.
 void drawStop(const DragSession& session, double pixelRatio) {
   constexpr double kVisible = 0.02;  // of the radius
   const ShownRegion& shown = session.shown();
@@ -84,33 +83,6 @@ pen::Color brushColor(const DragSession& session) {
   return pen::kFree;
 }
 
-/// Returns the legend of the colours of stretch.
-QImage legendPicture(double pixelRatio) {
-  QImage image(QSize(220, 48) * pixelRatio, QImage::Format_ARGB32);
-  image.fill(Qt::transparent);
-  QPainter painter(&image);
-  painter.scale(pixelRatio, pixelRatio);
-  painter.setRenderHint(QPainter::Antialiasing);
-  painter.setBrush(QColor(pen::kDark[0], pen::kDark[1], pen::kDark[2], 190));
-  painter.setPen(Qt::NoPen);
-  painter.drawRoundedRect(0, 0, 220, 48, 5, 5);
-  for (int x = 0; x < 200; ++x) {
-    const double factor = std::exp2((x - 99.5) / 50);
-    const pen::Color color = stretchColor(static_cast<float>(factor > 1 ? factor - 1 : 1 - 1 / factor));
-    painter.fillRect(10 + x, 20, 1, 9, QColor(color[0], color[1], color[2]));
-  }
-  QFont font = painter.font();
-  font.setPixelSize(11);
-  painter.setFont(font);
-  painter.setPen(Qt::white);
-  painter.drawText(QRect(0, 4, 220, 16), Qt::AlignHCenter, "Length of edges");
-  const char* const factors[] = {"1/4", "1/2", "1", "2", "4"};
-  for (int i = 0; i < 5; ++i) {
-    painter.drawText(QRect(50 * i - 10, 31, 40, 16), Qt::AlignHCenter, QString(factors[i]));
-  }
-  return image;
-}
-
 }  // namespace
 
 /// Draws the mirror plane, as large as the mesh's box.
@@ -144,16 +116,6 @@ void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
   pane(GL_QUADS);
   pen::rimmed(
       pen::kPurple, 1, pixelRatio, [&] { pane(GL_LINE_LOOP); }, 0.6);
-}
-
-/// Draws the legend at the left, above MeshLab's own lines.
-void Overlay::drawLegend(const Options& options) {
-  if (legend_.isNull()) {
-    legend_ = legendPicture(options.pixelRatio);
-  }
-  glRasterPos2d(12, options.height - 164);
-  glPixelZoom(1, -1);
-  glDrawPixels(legend_.width(), legend_.height(), GL_BGRA, GL_UNSIGNED_BYTE, legend_.constBits());
 }
 
 void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double pixelRatio) {
@@ -193,7 +155,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   glDisable(GL_DEPTH_TEST);
   if (session.motion()) {
     drawMotion(session, ratio);
-    if (session.settings().edit.contact && session.shown().region()) {
+    if (session.settings().edit.contact && session.shown().away()) {
       drawStop(session, ratio);
     }
   }
@@ -217,7 +179,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
       drawTurn(*session.motion(), view, ratio);
     }
     if (options.colours == Colours::Stretch && session.shown().region()) {
-      drawLegend(options);
+      legend_.draw(options.height, ratio);
     }
   }
 }

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <QImage>
 #include <optional>
 
 #include "lapedit/session/drag_session.h"
+#include "line_picture.h"
 #include "surface_picture.h"
 
 /// Shows region, handles, motion, gizmo and the preview of a press for one session. Only reads the session.
@@ -31,10 +31,9 @@ class Overlay {
  private:
   void drawGizmoOf(const lapedit::DragSession& session, const lapedit::Camera& view, double pixelRatio);
   void drawPlane(const lapedit::DragSession& session, double pixelRatio);
-  void drawLegend(const Options& options);
 
   SurfacePicture surface_;
   std::optional<lapedit::Gizmo> gizmo_;  // before the motion
-  QImage legend_;
+  StretchLegend legend_;
   std::optional<Eigen::AlignedBox3d> box_;  // of the mesh at the beginning
 };

@@ -15,7 +15,6 @@
 #include <QSignalBlocker>
 #include <QSpinBox>
 #include <QVBoxLayout>
-#include <QVariantMap>
 #include <algorithm>
 #include <cmath>
 
@@ -79,33 +78,31 @@ Panel::Panel(QWidget* parent) : QDockWidget("Laplacian Drag", parent), column_(n
 void Panel::setMesh(const TriangleMesh& mesh) {
   const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
-  size_ = diagonal > 0 && std::isfinite(diagonal) ? diagonal : 1;
+  const double size = diagonal > 0 && std::isfinite(diagonal) ? diagonal : 1;
   defaults_ = settings_for(mesh);
   history_.shown = -1;  // the list shows another session
   middle_ = box.isEmpty() ? Vector3(Vector3::Zero()) : Vector3(box.center());
-  const int digits = std::clamp(5 - static_cast<int>(std::floor(std::log10(size_))), 2, 12);
+  const int digits = std::clamp(5 - static_cast<int>(std::floor(std::log10(size))), 2, 12);
   for (QDoubleSpinBox* length : lengths_) {
     const QSignalBlocker blocker(length);
     length->setDecimals(digits);
-    length->setSingleStep(std::pow(10.0, std::floor(std::log10(size_)) - 2));
+    length->setSingleStep(std::pow(10.0, std::floor(std::log10(size)) - 2));
   }
 }
 
-void Panel::show(const DragSession* session, const FrameTimes& median) {
+void Panel::show(const DragSession* session) {
   const bool has = session != nullptr;
   widget()->setEnabled(has);
   if (!has) {
     return;
   }
-  settings_ = session->settings();
-  lastStep_ = session->last_step();
   remembered_.keep(*session);
   for (const auto& bring : shown_) {
     bring(*session);
   }
   showCommands(*session);
   showHistory(session->timeline());
-  showFigures(*session, median);
+  showFigures(*session);
 }
 
 void Panel::showCommands(const DragSession& session) {
@@ -131,7 +128,7 @@ void Panel::showCommands(const DragSession& session) {
   }
 }
 
-void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
+void Panel::showFigures(const DragSession& session) {
   const DragFigures figures = session.figures();
   progress_->setVisible(session.preparation().running);
   progress_->setValue(static_cast<int>(100 * session.preparation().progress));
@@ -141,15 +138,6 @@ void Panel::showFigures(const DragSession& session, const FrameTimes& median) {
   region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
                        .arg(count(figures.handle), count(figures.free), count(figures.anchors), count(figures.fixed))
                        .arg(figures.steps));
-  times_->setText(
-      tr("First frame after %1 ms, prepared in %2 ms, solved in %3 ms")
-          .arg(text(figures.preview_ms, 'f', 1), text(figures.prepare_ms, 'f', 1), text(figures.solve_ms, 'f', 1)));
-  const auto frame = [&](double milliseconds, int digits) {
-    return text(median.total > 0 ? std::optional(milliseconds) : std::nullopt, 'f', digits);
-  };
-  frame_->setText(tr("Frame %1 ms (%2/s): solve %3, write %4, send %5, draw %6")
-                      .arg(frame(median.total, 1), frame(1000 / median.total, 0), frame(median.solve, 1),
-                           frame(median.write, 1), frame(median.upload, 1), frame(median.draw, 1)));
   const auto stretch = figures.largest_stretch ? std::optional(100 * *figures.largest_stretch) : std::nullopt;
   quality_->setText(tr("Handle %1 from its target; largest stretch %2 %")
                         .arg(text(figures.handle_error, 'g', 3), text(stretch, 'f', 0)) +
@@ -162,19 +150,6 @@ Colours Panel::colours() const {
 
 void Panel::setColours(Colours colours) {
   colours_->setCurrentIndex(static_cast<int>(colours));
-}
-
-void Panel::setBusy(bool busy) {
-  setProperty("laplacian_drag_busy", busy);
-}
-
-void Panel::setFrames(const std::deque<FrameTimes>& frames) {
-  QVariantList list;
-  for (const FrameTimes& f : frames) {
-    list.append(QVariantMap{
-        {"solve", f.solve}, {"write", f.write}, {"upload", f.upload}, {"draw", f.draw}, {"total", f.total}});
-  }
-  setProperty("laplacian_drag_frames", list);
 }
 
 /// Lets the wheel scroll the panel, unless a click has given the focus to the number under the cursor. Makes Esc close

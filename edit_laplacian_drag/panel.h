@@ -4,13 +4,11 @@
 #include <QDockWidget>
 #include <QPointer>
 #include <QString>
-#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
 #include <vector>
 
-#include "frame_clock.h"
 #include "lapedit/session/drag_session.h"
 #include "remembered_settings.h"
 #include "surface_picture.h"
@@ -43,12 +41,10 @@ class Panel : public QDockWidget {
   /// @param mesh  its size defines steps, digits and ranges of lengths, its box the mirror planes
   void setMesh(const lapedit::TriangleMesh& mesh);
   /// Shows the state of a session; null: disables all widgets.
-  void show(const lapedit::DragSession* session, const FrameTimes& median);
+  void show(const lapedit::DragSession* session);
   Colours colours() const;
   void setColours(Colours colours);
   RememberedSettings& remembered() { return remembered_; }
-  void setBusy(bool busy);
-  void setFrames(const std::deque<FrameTimes>& frames);
 
  signals:
   /// Emitted when a value was edited.
@@ -65,9 +61,11 @@ class Panel : public QDockWidget {
  private:
   /// Functions that read and write a widget's value.
   struct Access {
-    std::function<double(const lapedit::DragSettings&)> get;
-    std::function<void(lapedit::DragSettings&, double)> set;
+    std::function<double(const lapedit::DragSession&)> get;
+    std::function<void(lapedit::DragSession&, double)> set;
   };
+  static Access ofSettings(const std::function<double(const lapedit::DragSettings&)>& get,
+                           const std::function<void(lapedit::DragSettings&, double)>& set);
   /// @param factor  shown value over stored value
   template <auto member, int factor = 1>
   static Access access();
@@ -104,16 +102,12 @@ class Panel : public QDockWidget {
   /// @param set  called with the value while the slider is moved (passing), and at its release
   QSlider* slider(const char* part, int high, const QString& help, const std::function<void(int, bool passing)>& set);
   QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
-  QComboBox* choice(const lapedit::Setting& setting, const Access& access);
   QCheckBox* check(const char* part, const QString& text, const QString& help, const Access& access);
   QPushButton* resetButton();
-  /// Creates a list for a value of the session that is not one of its settings.
-  QComboBox* state(const char* part, const QStringList& choices, const QString& help,
-                   const std::function<int(const lapedit::DragSession&)>& get,
-                   const std::function<void(lapedit::DragSession&, int)>& set);
+  QComboBox* choice(const char* part, const QStringList& choices, const QString& help, const Access& access);
   QPushButton* button(const char* part, const QString& text, const QString& help);
   QLabel* figure(const char* part, const QString& help);
-  /// Connects the widget: input changes the settings, and show() displays them.
+  /// Connects the widget: input changes the session, and show() displays its value.
   template <class Widget, class Value>
   void follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value));
   void change(const Change& change);
@@ -123,26 +117,23 @@ class Panel : public QDockWidget {
   lapedit::MirrorPlane plane(int index) const;
   void showCommands(const lapedit::DragSession& session);
   void showHistory(const lapedit::Timeline& timeline);
-  void showFigures(const lapedit::DragSession& session, const FrameTimes& median);
+  void showFigures(const lapedit::DragSession& session);
 
   QPointer<QWidget> viewport_;
   QVBoxLayout* column_;
-  QFormLayout* form_ = nullptr;  ///< of the current group
-  lapedit::DragSettings settings_;
+  QFormLayout* form_ = nullptr;     ///< of the current group
   lapedit::DragSettings defaults_;  ///< of the mesh
   RememberedSettings remembered_;
-  double size_ = 1;  ///< of the mesh
   lapedit::Vector3 middle_ = lapedit::Vector3::Zero();
   std::vector<std::function<void(const lapedit::DragSession&)>> shown_;  ///< one per value
   std::vector<QLabel*> titles_;                                          ///< of rows
   std::vector<QDoubleSpinBox*> lengths_;                                 ///< with digits that depend on the mesh's size
-  std::optional<lapedit::LastStep> lastStep_;
   struct History {
     QListWidget* list = nullptr;
     int shown = -1;  ///< serial of the timeline that it shows
   } history_;
   QComboBox* colours_;
   QProgressBar* progress_;
-  QLabel *region_, *times_, *frame_, *quality_;
+  QLabel *region_, *quality_;
   std::map<QString, QPushButton*> buttons_;
 };

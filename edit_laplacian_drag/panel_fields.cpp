@@ -11,6 +11,9 @@
 #include <QSignalBlocker>
 #include <QSlider>
 #include <QSpinBox>
+#include <algorithm>
+#include <iterator>
+
 #include "panel.h"
 #include "panel_icons.h"
 #include "panel_widgets.h"
@@ -38,10 +41,13 @@ QString titleOf(const char* key) {
 void Panel::addAdvanced() {
   begin("advanced", tr("Solver"), tr("How the region is deformed; a saved edit has all settings of the solver"));
   for (const Setting& setting : settings_table()) {
-    const Access access = {[&setting](const DragSettings& settings) { return setting.get(settings.edit); },
-                           [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); }};
+    const Access access =
+        ofSettings([&setting](const DragSettings& settings) { return setting.get(settings.edit); },
+                   [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); });
     if (QString(setting.key) == "method") {
-      row(titleOf(setting.key), choice(setting, access));
+      QStringList names;
+      std::transform(setting.choices.begin(), setting.choices.end(), std::back_inserter(names), titleOf);
+      row(titleOf(setting.key), choice(setting.key, names, tip(setting.help), access));
     } else if (setting.kind == Setting::Kind::Switch) {
       auto* const box = check(setting.key, titleOf(setting.subject), tip(setting.help), access);
       shown_.push_back([box, &setting](const DragSession& session) {
@@ -85,19 +91,27 @@ void Panel::change(const Change& change) {
   emit edited(change);
 }
 
+Panel::Access Panel::ofSettings(const std::function<double(const DragSettings&)>& get,
+                                const std::function<void(DragSettings&, double)>& set) {
+  return {[get](const DragSession& session) { return get(session.settings()); },
+          [set](DragSession& session, double value) {
+            DragSettings settings = session.settings();
+            set(settings, value);
+            session.set_settings(settings);
+          }};
+}
+
 template <class Widget, class Value>
 void Panel::follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value)) {
   connect(box, changed, this, [this, set = access.set](Value value) {
-    DragSettings settings = settings_;
-    set(settings, value);
-    change([settings](DragSession& session) { session.set_settings(settings); });
+    change([set, value](DragSession& session) { set(session, value); });
   });
   shown_.push_back([box, bring, get = access.get](const DragSession& session) {
     if (box->hasFocus()) {
       return;  // the user is typing
     }
     const QSignalBlocker blocker(box);
-    (box->*bring)(static_cast<Value>(get(session.settings())));
+    (box->*bring)(static_cast<Value>(get(session)));
   });
 }
 
@@ -141,11 +155,9 @@ QSpinBox* Panel::count(const char* part, int low, int high, const QString& help,
   return box;
 }
 
-QComboBox* Panel::choice(const Setting& setting, const Access& access) {
-  auto* const box = prepared<QComboBox>(setting.key, tip(setting.help));
-  for (const char* name : setting.choices) {
-    box->addItem(titleOf(name));
-  }
+QComboBox* Panel::choice(const char* part, const QStringList& choices, const QString& help, const Access& access) {
+  auto* const box = prepared<QComboBox>(part, help);
+  box->addItems(choices);
   follow(box, access, QOverload<int>::of(&QComboBox::activated), &QComboBox::setCurrentIndex);
   return box;
 }
@@ -170,17 +182,6 @@ QPushButton* Panel::resetButton() {
     });
   });
   return made;
-}
-
-QComboBox* Panel::state(const char* part, const QStringList& choices, const QString& help,
-                        const std::function<int(const DragSession&)>& get,
-                        const std::function<void(DragSession&, int)>& set) {
-  auto* const box = prepared<QComboBox>(part, help);
-  box->addItems(choices);
-  connect(box, QOverload<int>::of(&QComboBox::activated), this,
-          [this, set](int index) { change([set, index](DragSession& session) { set(session, index); }); });
-  shown_.push_back([box, get](const DragSession& session) { box->setCurrentIndex(get(session)); });
-  return box;
 }
 
 QPushButton* Panel::button(const char* part, const QString& text, const QString& help) {

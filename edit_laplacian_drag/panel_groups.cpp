@@ -11,6 +11,7 @@
 #include <QToolButton>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "panel.h"
 #include "panel_icons.h"
@@ -28,8 +29,10 @@ constexpr int kPlanes = 6;  // number of mirror planes in the list
 
 template <auto member, int factor>
 Panel::Access Panel::access() {
-  return {[](const DragSettings& settings) { return static_cast<double>(settings.*member) * factor; },
-          [](DragSettings& settings, double value) { settings.*member = value / factor; }};
+  return ofSettings([](const DragSettings& settings) { return static_cast<double>(settings.*member) * factor; },
+                    [](DragSettings& settings, double value) {
+                      settings.*member = static_cast<std::decay_t<decltype(settings.*member)>>(value / factor);
+                    });
 }
 
 void Panel::addBasic() {
@@ -43,47 +46,47 @@ void Panel::addBasic() {
   addDetail();
   addAutomatic();
   addPieces();
-  auto* const click = state(
+  auto* const click = choice(
       "mode", {tr("Disc or vertex"), tr("Curve"), tr("Another handle"), tr("New region")},
       tr("What a click takes: a disc or vertex, a curve of shortest paths (C), a handle besides the others, which hold "
          "(G), or a new region (W)"),
-      [](const DragSession& session) {
-        const Selection& selection = session.selection();
-        return selection.next == Selection::Next::Region  ? 3
-               : selection.next == Selection::Next::Group ? 2
-               : selection.mode == HandleMode::Curve      ? 1
-                                                          : 0;
-      },
-      [](DragSession& session, int index) {
-        if (index >= 2) {
-          session.key(index == 2 ? DragKey::NextGroup : DragKey::NewRegion);
-        } else {
-          session.take_by_click(index == 1 ? HandleMode::Curve : HandleMode::Vertex);
-        }
-      });
+      {[](const DragSession& session) {
+         const Selection& selection = session.selection();
+         return selection.next == Selection::Next::Region  ? 3
+                : selection.next == Selection::Next::Group ? 2
+                : selection.mode == HandleMode::Curve      ? 1
+                                                           : 0;
+       },
+       [](DragSession& session, int index) {
+         if (index >= 2) {
+           session.key(index == 2 ? DragKey::NextGroup : DragKey::NewRegion);
+         } else {
+           session.take_by_click(index == 1 ? HandleMode::Curve : HandleMode::Vertex);
+         }
+       }});
   click->setItemIcon(0, panelIcon("disc", palette()));
   click->setItemIcon(1, panelIcon("curve", palette()));
   row(tr("Click takes"), click);
   row(tr("Settings"), resetButton());
   row(tr("Turn about"),
-      state(
+      choice(
           "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
           tr("The point that turning and scaling go about (P): the middle of the handle, the middle of the region's "
              "edge, as the shoulder of an arm, or a point that the next click picks. With the last two a drag of the "
              "handle turns it; Shift moves it"),
-          [](const DragSession& session) { return static_cast<int>(session.tools().pivot); },
-          [](DragSession& session, int index) { session.set(&Tools::pivot, static_cast<Pivot>(index)); }));
+          {[](const DragSession& session) { return static_cast<int>(session.tools().pivot); },
+           [](DragSession& session, int index) { session.set(&Tools::pivot, static_cast<Pivot>(index)); }}));
   addMirror();
-  row(tr("Gizmo"), state(
-                       "gizmo", {tr("Hidden"), tr("Axes of the layer"), tr("Axes of the view"), tr("Along the normal")},
-                       tr("Arrows move along an axis, rings turn about it, the scale handle scales (V)"),
-                       [](const DragSession& session) {
-                         return session.tools().gizmo ? 1 + static_cast<int>(session.tools().axes) : 0;
-                       },
-                       [](DragSession& session, int index) {
-                         session.set(&Tools::gizmo, index > 0);
-                         session.set(&Tools::axes, static_cast<GizmoAxes>(std::max(index - 1, 0)));
-                       }));
+  row(tr("Gizmo"),
+      choice("gizmo", {tr("Hidden"), tr("Axes of the layer"), tr("Axes of the view"), tr("Along the normal")},
+             tr("Arrows move along an axis, rings turn about it, the scale handle scales (V)"),
+             {[](const DragSession& session) {
+                return session.tools().gizmo ? 1 + static_cast<int>(session.tools().axes) : 0;
+              },
+              [](DragSession& session, int index) {
+                session.set(&Tools::gizmo, index > 0);
+                session.set(&Tools::axes, static_cast<GizmoAxes>(std::max(index - 1, 0)));
+              }}));
   buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)")),
            button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)")),
            button("scale", tr("Scale"), tr("The handle grows about its pivot with the mouse (S)")),
@@ -116,9 +119,11 @@ void Panel::addDetail() {
                 "doubles them. "
                 "Needs no drag: press on the dent, or paint it, then move this"),
              [this](int percent, bool passing) {
-               DragSettings settings = settings_;
-               settings.edit.detail = percent / 100.0;
-               change([settings, passing](DragSession& session) { session.set_settings(settings, passing); });
+               change([percent, passing](DragSession& session) {
+                 DragSettings settings = session.settings();
+                 settings.edit.detail = percent / 100.0;
+                 session.set_settings(settings, passing);
+               });
              });
   row({}, detail);
   shown_.push_back([detail, title = titles_.back()](const DragSession& session) {
@@ -133,11 +138,11 @@ void Panel::addAutomatic() {
       "automatic", tr("Automatic sizes"),
       tr("A press takes the radius of the ear, nose or limb there, and a fifth of it for the handle, until a radius is "
          "set"),
-      {[](const DragSettings& settings) { return settings.first_radius > 0 ? 1 : 0; },
-       [this](DragSettings& settings, double on) {
-         settings.first_radius = on * defaults_.first_radius;
-         settings.handle_fraction = on > 0 ? defaults_.handle_fraction : settings.handle_fraction;
-       }});
+      ofSettings([](const DragSettings& settings) { return settings.first_radius > 0 ? 1 : 0; },
+                 [this](DragSettings& settings, double on) {
+                   settings.first_radius = on * defaults_.first_radius;
+                   settings.handle_fraction = on > 0 ? defaults_.handle_fraction : settings.handle_fraction;
+                 }));
 }
 
 void Panel::addPieces() {
@@ -161,21 +166,20 @@ void Panel::addMirror() {
   }
   choices += tr("Found from the mesh");
   row(tr("Mirror"),
-      state(
-          "mirror", choices, tr("The plane of the layer across which every step is mirrored"),
-          [this](const DragSession& session) {
-            int index = 0;
-            while (session.tools().mirror && index++ < kPlanes && !(session.tools().mirror == plane(index - 1))) {
-            }
-            return index;
-          },
-          [this](DragSession& session, int index) {
-            if (index > kPlanes) {
-              session.find_mirror();
-            } else {
-              session.set(&Tools::mirror, index == 0 ? std::nullopt : std::optional(plane(index - 1)));
-            }
-          }));
+      choice("mirror", choices, tr("The plane of the layer across which every step is mirrored"),
+             {[this](const DragSession& session) {
+                int index = 0;
+                while (session.tools().mirror && index++ < kPlanes && !(session.tools().mirror == plane(index - 1))) {
+                }
+                return index;
+              },
+              [this](DragSession& session, int index) {
+                if (index > kPlanes) {
+                  session.find_mirror();
+                } else {
+                  session.set(&Tools::mirror, index == 0 ? std::nullopt : std::optional(plane(index - 1)));
+                }
+              }}));
 }
 
 MirrorPlane Panel::plane(int index) const {
@@ -184,17 +188,17 @@ MirrorPlane Panel::plane(int index) const {
 
 void Panel::addPaint() {
   begin("paint", tr("Paint"), tr("The region, the handle, or vertices that stay where they are"));
-  row(tr("Paint"), state(
-                       "brush_target", {tr("Off"), tr("Region"), tr("Handle"), tr("Fixed")},
-                       tr("What a drag paints more of, and Shift+drag less, until Esc (B); fixed vertices hold in all "
-                          "regions. Off: Ctrl+drag and Shift+drag paint the region"),
-                       [](const DragSession& session) {
-                         return session.tools().paint ? 1 + static_cast<int>(*session.tools().paint) : 0;
-                       },
-                       [](DragSession& session, int index) {
-                         session.set(&Tools::paint,
-                                     index > 0 ? std::optional(static_cast<BrushTarget>(index - 1)) : std::nullopt);
-                       }));
+  row(tr("Paint"),
+      choice("brush_target", {tr("Off"), tr("Region"), tr("Handle"), tr("Fixed")},
+             tr("What a drag paints more of, and Shift+drag less, until Esc (B); fixed vertices hold in all "
+                "regions. Off: Ctrl+drag and Shift+drag paint the region"),
+             {[](const DragSession& session) {
+                return session.tools().paint ? 1 + static_cast<int>(*session.tools().paint) : 0;
+              },
+              [](DragSession& session, int index) {
+                session.set(&Tools::paint,
+                            index > 0 ? std::optional(static_cast<BrushTarget>(index - 1)) : std::nullopt);
+              }}));
   auto* brush = count("brush", 1, 1000, tr("Radius of the brush on the screen"), access<&DragSettings::brush_pixels>());
   brush->setSuffix(tr(" pixels"));
   row(tr("Brush size"), brush);
@@ -212,21 +216,14 @@ void Panel::addRegion() {
   buttons({button("grow", tr("Grow"), tr("Makes the region larger by a ring ( ] )")),
            button("shrink", tr("Shrink"), tr("Makes the region smaller by a ring ( [ )")),
            button("component", tr("Component"), tr("The region is the whole connected piece of the handle"))});
-  row(tr("Falloff"), state(
-                         "falloff", {tr("Even"), tr("Sharp"), tr("Smooth"), tr("Dome")},
-                         tr("How the handle's disc fades out from its middle to its boundary"),
-                         [](const DragSession& session) { return static_cast<int>(session.settings().falloff); },
-                         [](DragSession& session, int index) {
-                           DragSettings settings = session.settings();
-                           settings.falloff = static_cast<Falloff>(index);
-                           session.set_settings(settings);
-                         }));
+  row(tr("Falloff"),
+      choice("falloff", {tr("Even"), tr("Sharp"), tr("Smooth"), tr("Dome")},
+             tr("How the handle's disc fades out from its middle to its boundary"), access<&DragSettings::falloff>()));
   row(tr("Snap to"),
-      state(
-          "snap", {tr("Off"), tr("Other layers")},
-          tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor"),
-          [](const DragSession& session) { return session.tools().snaps ? 1 : 0; },
-          [](DragSession& session, int index) { session.set(&Tools::snaps, index == 1); }));
+      choice("snap", {tr("Off"), tr("Other layers")},
+             tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor"),
+             {[](const DragSession& session) { return session.tools().snaps ? 1 : 0; },
+              [](DragSession& session, int index) { session.set(&Tools::snaps, index == 1); }}));
   row(tr("Width of the edge"), percent("padding", 100,
                                        tr("Width of the band inside the region's edge that stays, in percent of its "
                                           "radius (Ctrl+Shift+wheel)"),
@@ -240,7 +237,7 @@ void Panel::addRegion() {
 }
 
 void Panel::addView() {
-  begin("statistics", tr("View and figures"), tr("Colours over the surface, counts, times and quality"));
+  begin("statistics", tr("View and figures"), tr("Colours over the surface, counts and quality"));
   colours_ =
       prepared<QComboBox>("colours", tr("What the colours over the surface show; H hides them: with no colours, or "
                                         "with none during a drag, the shading of the surface is seen"));
@@ -248,13 +245,9 @@ void Panel::addView() {
   connect(colours_, QOverload<int>::of(&QComboBox::activated), this, [this] { change([](DragSession&) {}); });
   row(tr("Colours"), colours_);
   region_ = figure("region", tr("Vertices of the region by class, and of the mesh outside it"));
-  times_ = figure("times",
-                  tr("Milliseconds until the first frame of a drag was possible, to prepare the region and to solve "
-                     "for the last pose"));
-  frame_ = figure("frame", tr("A frame of the drag, from the mouse's move to the picture: medians of the last frames"));
   quality_ = figure("quality", tr("Of the last pose: how far the handle is from its target, the most stretched edge, "
                                   "and where it folded"));
-  for (QLabel* label : {region_, times_, frame_, quality_}) {
+  for (QLabel* label : {region_, quality_}) {
     form_->addRow(label);
   }
 }

@@ -63,22 +63,25 @@ bool setNumbers(const QString& text, HandleTransform& motion) {
 void Panel::addLastStep() {
   begin("last_step", tr("Last step and history"),
         tr("The last step, which can be changed until something else is picked, and all that was done"));
-  const auto send = [this](const LastStep& last, bool passing) {
-    change([last, passing](DragSession& session) { session.set_last_step(last.motion, last.fraction, passing); });
-  };
   auto* const value =
       prepared<QLineEdit>("last_value", tr("What the last step did: a displacement along X, Y and Z of the "
                                            "layer, degrees about the axis, or a factor"));
   row(tr("Moved"), value);
-  connect(value, &QLineEdit::editingFinished, this, [this, value, send] {
-    LastStep last = lastStep_.value_or(LastStep());
-    if (lastStep_ && value->text() != numbersOf(last.motion) && setNumbers(value->text(), last.motion)) {
-      send(last, false);
+  connect(value, &QLineEdit::editingFinished, this, [this, value] {
+    if (value->text() == value->property(kValue).toString()) {
+      return;
     }
+    change([text = value->text()](DragSession& session) {
+      std::optional<LastStep> last = session.last_step();
+      if (last && setNumbers(text, last->motion)) {
+        session.set_last_step(last->motion, last->fraction);
+      }
+    });
   });
-  shown_.push_back([this, value, title = titles_.back()](const DragSession&) {
-    value->setEnabled(lastStep_ && !lastStep_->bent);
-    const HandleTransform motion = lastStep_.value_or(LastStep()).motion;
+  shown_.push_back([value, title = titles_.back()](const DragSession& session) {
+    const std::optional<LastStep> last = session.last_step();
+    value->setEnabled(last && !last->bent);
+    const HandleTransform motion = last.value_or(LastStep()).motion;
     title->setText(kindOf(motion) == MotionKind::Rotate  ? tr("Turned")
                    : kindOf(motion) == MotionKind::Scale ? tr("Scaled")
                                                          : tr("Moved"));
@@ -87,18 +90,20 @@ void Panel::addLastStep() {
       value->setText(numbersOf(motion));
     }
   });
-  auto* const fraction = slider("last_fraction", 100, tr("Fraction of the path: 0 to 100 percent"),
-                                [this, send](int percent, bool passing) {
-                                  if (LastStep last = lastStep_.value_or(LastStep()); lastStep_) {
-                                    last.fraction = percent / 100.0;
-                                    send(last, passing);
-                                  }
-                                });
-  shown_.push_back([this, fraction](const DragSession&) {
-    fraction->setEnabled(lastStep_.has_value());
+  auto* const fraction =
+      slider("last_fraction", 100, tr("Fraction of the path: 0 to 100 percent"), [this](int percent, bool passing) {
+        change([percent, passing](DragSession& session) {
+          if (const std::optional<LastStep> last = session.last_step()) {
+            session.set_last_step(last->motion, percent / 100.0, passing);
+          }
+        });
+      });
+  shown_.push_back([fraction](const DragSession& session) {
+    const std::optional<LastStep> last = session.last_step();
+    fraction->setEnabled(last.has_value());
     if (!fraction->isSliderDown()) {
       const QSignalBlocker blocker(fraction);
-      fraction->setValue(static_cast<int>(std::round(100 * (lastStep_ ? lastStep_->fraction : 1))));
+      fraction->setValue(static_cast<int>(std::round(100 * (last ? last->fraction : 1))));
     }
   });
   row(tr("Fraction"), fraction);

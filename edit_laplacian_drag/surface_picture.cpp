@@ -92,44 +92,43 @@ unsigned SurfacePicture::number(const Region* region, int vertex) const {
   return position >= 0 ? static_cast<unsigned>(position + (region ? region->size() : 0)) : kNone;
 }
 
+/// Returns whether the lists are those of the session's region and groups.
+bool SurfacePicture::isListed(const DragSession& session) const {
+  const std::vector<std::vector<int>>& groups = session.mirrored_groups();
+  return session.shown().region_serial() == regionSerial_ && labelled_.size() == groups.size() + 2 &&
+         std::equal(groups.begin(), groups.end(), labelled_.begin()) &&
+         labelled_[groups.size()] == session.unconnected() && labelled_.back() == session.selection().held;
+}
+
 /// Sorts vertices and faces into the lists that draw() uses. O(region + handles).
 void SurfacePicture::list(const DragSession& session) {
   const Region* const region = session.shown().region().get();
   regionSerial_ = session.shown().region_serial();
-  groups_ = session.mirrored_groups();
-  unconnected_ = session.unconnected();
-  held_ = session.selection().held;
+  labelled_ = session.mirrored_groups();
+  labelled_.push_back(session.unconnected());
+  labelled_.push_back(session.selection().held);
   outside_.clear();
-  const std::size_t kinds = groups_.size() + 2;
-  for (std::size_t k = 0; k < kinds; ++k) {
-    outside_.insert(outside_.end(), labelled(k).begin(), labelled(k).end());
+  for (const std::vector<int>& vertices : labelled_) {
+    outside_.insert(outside_.end(), vertices.begin(), vertices.end());
   }
   outside_ = without(sorted_set(std::move(outside_)), region ? region->mesh_vertex : std::vector<int>());
 
-  // Unconnected and fixed vertices are labelled as two more groups; a vertex of a handle has the handle's label.
+  // A vertex of a handle has the handle's label.
   std::vector<int> labels((region ? region->size() : 0) + outside_.size(), -1);
-  for (std::size_t k = kinds; k-- > 0;) {
-    for (const int v : labelled(k)) {
-      labels[number(region, v)] = static_cast<int>(k);
+  for (std::size_t label = labelled_.size(); label-- > 0;) {
+    for (const int v : labelled_[label]) {
+      labels[number(region, v)] = static_cast<int>(label);
     }
   }
-  handles_.assign(kinds, {});
+  patches_.assign(labelled_.size(), {});
   sortFaces(session, labels);
   findLoose(session, labels);
-  fixed_ = std::move(handles_.back());
-  handles_.pop_back();
   for (std::size_t g = 0; g < session.selection().groups.size(); ++g) {
     const HandleCurve& curve = session.selection().discs.curves[g];
     for (std::size_t k = 0; curve.bends() && k < curve.points.size(); ++k) {
-      handles_[g].points.push_back(number(region, curve.path[curve.points[k]]));
+      patches_[g].points.push_back(number(region, curve.path[curve.points[k]]));
     }
   }
-  lost_ = std::move(handles_.back());
-  handles_.pop_back();
-}
-
-const std::vector<int>& SurfacePicture::labelled(std::size_t label) const {
-  return label < groups_.size() ? groups_[label] : label == groups_.size() ? unconnected_ : held_;
 }
 
 /// Assigns each face to its group, to the anchors or to the free vertices, and finds the outlines.
@@ -143,7 +142,7 @@ void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int
     const bool ofGroup = label >= 0 && labels[corners[1]] == label && labels[corners[2]] == label;
     const bool ofBand =
         !ofGroup && std::any_of(corners, corners + 3, [&](int i) { return region->classes[i] == VertexClass::Anchor; });
-    std::vector<unsigned>& faces = ofGroup ? handles_[label].faces : ofBand ? band_.faces : free_.faces;
+    std::vector<unsigned>& faces = ofGroup ? patches_[label].faces : ofBand ? band_.faces : free_.faces;
     faces.insert(faces.end(), corners, corners + 3);
     inside.insert(inside.end(), corners, corners + 3);
     if (!ofBand) {
@@ -164,11 +163,11 @@ void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int
                (corners[k] >= i || (region && corners[k] < static_cast<unsigned>(region->size())));
       }
       if (mine) {
-        handles_[labels[i]].faces.insert(handles_[labels[i]].faces.end(), corners, corners + 3);
+        patches_[labels[i]].faces.insert(patches_[labels[i]].faces.end(), corners, corners + 3);
       }
     }
   }
-  for (Patch& patch : handles_) {
+  for (Patch& patch : patches_) {
     patch.border = border_of(patch.faces);
   }
 }
@@ -176,14 +175,14 @@ void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int
 /// Finds single vertices and curves, which have no faces.
 void SurfacePicture::findLoose(const DragSession& session, const std::vector<int>& labels) {
   std::vector<char> inFace(labels.size(), 0);
-  for (const Patch& patch : handles_) {
+  for (const Patch& patch : patches_) {
     for (const unsigned i : patch.faces) {
       inFace[i] = 1;
     }
   }
-  for (std::size_t g = 0; g < handles_.size(); ++g) {
-    Patch& patch = handles_[g];
-    for (const int v : labelled(g)) {
+  for (std::size_t g = 0; g < patches_.size(); ++g) {
+    Patch& patch = patches_[g];
+    for (const int v : labelled_[g]) {
       const unsigned i = number(session.shown().region().get(), v);
       if (inFace[i] || labels[i] != static_cast<int>(g)) {
         continue;
@@ -216,8 +215,7 @@ void SurfacePicture::takePositions(const DragSession& session) {
 // --- Drawing --------------------------------------------------------------------------------------------------------
 
 void SurfacePicture::draw(const DragSession& session, const Options& options) {
-  if (session.shown().region_serial() != regionSerial_ || session.mirrored_groups() != groups_ ||
-      session.unconnected() != unconnected_ || session.selection().held != held_) {
+  if (!isListed(session)) {
     list(session);
     poseSerial_ = -1;
   }
@@ -232,11 +230,12 @@ void SurfacePicture::draw(const DragSession& session, const Options& options) {
   if (session.shown().region()) {
     drawRegion(session, options);
   }
-  for (std::size_t g = 0; g < handles_.size(); ++g) {
+  const std::size_t groups = patches_.size() - 2;
+  for (std::size_t g = 0; g < groups; ++g) {
     drawGroup(session, g, options);
   }
-  drawMarked(lost_, {pen::kLight, 0.35, 0.6, pen::kGrey}, options.pixelRatio);
-  drawMarked(fixed_, {pen::kAnchor, session.motion() ? 0.35 : 0.6, 0.35, pen::kAnchor}, options.pixelRatio);
+  drawMarked(patches_[groups], {pen::kLight, 0.35, 0.6, pen::kGrey}, options.pixelRatio);
+  drawMarked(patches_.back(), {pen::kAnchor, session.motion() ? 0.35 : 0.6, 0.35, pen::kAnchor}, options.pixelRatio);
   glDepthRange(0, 1);
   glDisableClientState(GL_VERTEX_ARRAY);
 }
@@ -310,7 +309,7 @@ void SurfacePicture::drawFolds(const DragSession& session) {
 
 /// Draws a handle group: with a bright outline if it moves, hatched if it holds.
 void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, const Options& options) {
-  const Patch& patch = handles_[group];
+  const Patch& patch = patches_[group];
   const int given = session.group_of_image(static_cast<int>(group));
   const pen::Color color = pen::groupColor(static_cast<std::size_t>(given));
   const bool active = session.selection().moves(given);

@@ -48,6 +48,7 @@ class SurfacePicture {
     pen::Color outline;
   };
 
+  bool isListed(const lapedit::DragSession& session) const;
   void list(const lapedit::DragSession& session);
   void sortFaces(const lapedit::DragSession& session, const std::vector<int>& labels);
   void findLoose(const lapedit::DragSession& session, const std::vector<int>& labels);
@@ -58,16 +59,14 @@ class SurfacePicture {
   void drawFolds(const lapedit::DragSession& session);
   void drawGroup(const lapedit::DragSession& session, std::size_t group, const Options& options);
   static void drawMarked(const Patch& patch, const Mark& mark, double pixelRatio);
-  /// Returns the vertices of a label: groups, then unconnected vertices, then fixed ones.
-  const std::vector<int>& labelled(std::size_t label) const;
 
   // Vertices are numbered as in the region, followed by those outside.
   int regionSerial_ = -1, poseSerial_ = -1;
-  std::vector<std::vector<int>> groups_;
-  std::vector<int> unconnected_, held_, outside_;  // mesh vertex numbers
+  std::vector<std::vector<int>> labelled_;  // mesh vertices by label: groups, then unconnected ones, then fixed ones
+  std::vector<int> outside_;                // mesh vertex numbers
   std::vector<float> positions_;
-  Patch free_, band_, lost_, fixed_;
-  std::vector<Patch> handles_;
+  Patch free_, band_;
+  std::vector<Patch> patches_;  // by label
   lapedit::Chains rim_;
 
   std::unique_ptr<lapedit::VertexStretch> stretch_;

@@ -107,8 +107,14 @@ bool LaplacianDragTool::handle(QEvent& event) {
         window_.repaint();
       }
       break;
+    case QEvent::MouseButtonDblClick:  // Qt sends it in place of the second press, and MeshLab does not pass it to
+                                       // tools
+      if (!window_.suspended()) {
+        mousePress(static_cast<QMouseEvent&>(event));
+      }
+      break;
     case QEvent::DeferredDelete:  // the view is being closed
-      end();
+      leave();
       finishAllLeft();
       break;
     default:
@@ -234,7 +240,7 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
     return;
   }
   if (isStale()) {
-    start();
+    begin();
     if (!active_) {
       return;
     }

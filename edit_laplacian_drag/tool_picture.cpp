@@ -59,9 +59,14 @@ double distanceAbout(const CMeshO& mesh, const Vector3& point) {
 }  // namespace
 
 void LaplacianDragTool::draw() {
+  guarded([this] { drawAll(); });
+}
+
+/// Draws over the scene. The modelview matrix is that of the world.
+void LaplacianDragTool::drawAll() {
   if (isStale()) {
     QMetaObject::invokeMethod(
-        this, [this] { guarded([this] { isStale() && start(); }); }, Qt::QueuedConnection);
+        this, [this] { guarded([this] { isStale() && begin(); }); }, Qt::QueuedConnection);
   }
   const auto layer = usableLayer();
   const QWidget& viewport = window_.viewport();
@@ -173,8 +178,7 @@ bool LaplacianDragTool::poseIsComing() const {
 }
 
 void LaplacianDragTool::framePainted() {
-  if (clock_.painted() && shared_ && shared_->isUsedBy(*this)) {
-    shared_->panel().setFrames(clock_.frames());
+  if (clock_.painted()) {
     refreshPanel();
   }
   // The moving outline of a region shows that it is being prepared; most of the processor is left to the preparation.

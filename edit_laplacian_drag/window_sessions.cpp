@@ -11,11 +11,39 @@
 #include <system_error>
 #include <utility>
 
+#include "laplacian_drag_tool.h"
+
+using namespace lapedit;
+using namespace lapedit::host;
+
 namespace {
 
 constexpr int kPictureWidth = 900;  // pixels
 
 }  // namespace
+
+// --- LayerSession ----------------------------------------------------------------------------------------------------
+
+LayerSession::LayerSession(const CMeshO& mesh, const DragSession::Callbacks& callbacks)
+    : LayerSession(mesh, read_mesh(mesh), callbacks) {}
+
+LayerSession::LayerSession(const CMeshO& mesh, const BridgedMesh& bridged, const DragSession::Callbacks& callbacks)
+    : coreVertex_(bridged.core_vertex),
+      session_(bridged.mesh, kStoredScalar, callbacks),
+      writer_(mesh, bridged, session_.given_adjacency()) {}
+
+LayerSession::Update LayerSession::update(CMeshO& mesh) {
+  const PoseChange* const change = session_.take_change();
+  if (change == nullptr) {
+    return Update::Nothing;
+  }
+  if (!writer_.write(mesh, change->vertices, change->positions, change->settled)) {
+    return Update::MeshChanged;
+  }
+  return change->settled ? Update::Settled : Update::Passing;
+}
+
+// --- WindowSessions --------------------------------------------------------------------------------------------------
 
 WindowSessions& WindowSessions::of(QWidget& window) {
   auto* found = window.findChild<WindowSessions*>(QString(), Qt::FindDirectChildrenOnly);
@@ -74,7 +102,7 @@ void WindowSessions::followProject() {
   }
 }
 
-void WindowSessions::begin(SessionUser& user, QObject* document, int layer) {
+void WindowSessions::begin(LaplacianDragTool& user, QObject* document, int layer) {
   if (user_ && user_ != &user) {
     // Before the change, so that the previous user still receives poses.
     user_->handOver(document == document_ && layer == layer_);
@@ -84,7 +112,7 @@ void WindowSessions::begin(SessionUser& user, QObject* document, int layer) {
   layer_ = layer;
 }
 
-void WindowSessions::end(SessionUser& user) {
+void WindowSessions::end(LaplacianDragTool& user) {
   if (user_ == &user) {
     user_ = nullptr;
     document_ = nullptr;
@@ -92,10 +120,10 @@ void WindowSessions::end(SessionUser& user) {
   }
 }
 
-std::vector<std::pair<LayerSession*, int>> WindowSessions::left(const SessionUser* user) const {
+std::vector<std::pair<LayerSession*, int>> WindowSessions::left(const LaplacianDragTool* user) const {
   std::vector<std::pair<LayerSession*, int>> found;
   for (const auto& [key, known] : sessions_) {
-    const SessionUser* const by = known.session ? known.session->leftBy : nullptr;
+    const LaplacianDragTool* const by = known.session ? known.session->leftBy : nullptr;
     if (by != nullptr && (user == nullptr || by == user)) {
       found.emplace_back(known.session.get(), key.second);
     }
@@ -130,9 +158,9 @@ WindowSessions::Sessions::iterator WindowSessions::find(const LayerSession& sess
 }
 
 LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
-  lapedit::DragSession::Callbacks callbacks;
+  DragSession::Callbacks callbacks;
   callbacks.log = [this](const std::string& line) {
-    if (SessionUser* const user = finishing_ ? finishing_ : user_) {
+    if (LaplacianDragTool* const user = finishing_ ? finishing_ : user_) {
       user->log(line);
     }
   };
@@ -170,9 +198,9 @@ void WindowSessions::endLater(std::unique_ptr<LayerSession> session) {
     return;
   }
   try {
-    ending_ = lapedit::JoinedThread([previous = std::move(ending_), last = std::move(session)]() mutable {
+    ending_ = JoinedThread([previous = std::move(ending_), last = std::move(session)]() mutable {
       last.reset();
-      previous = lapedit::JoinedThread();
+      previous = JoinedThread();
     });
   } catch (const std::system_error&) {
     // No thread is available: the session was deleted with the task.

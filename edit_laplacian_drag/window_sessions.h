@@ -7,34 +7,60 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "lapedit/base/joined_thread.h"
-#include "layer_session.h"
+#include "lapedit/mesh/vertex_set.h"
+#include "lapedit/session/drag_session.h"
+#include "lapedit_host/pose_writer.h"
 #include "panel.h"
 
+class LaplacianDragTool;
 class QMdiArea;
 
-/// The user of the panel and the sessions, one at a time: the tool in a view.
-class SessionUser {
+/// A dragging session with the mesh of one layer; writes poses into the mesh.
+class LayerSession {
  public:
-  /// Called when another user begins. @param sameSession  true: it continues this session, which must not end
-  virtual void handOver(bool sameSession) = 0;
-  /// Called before the sessions are deleted: the user must not use them any more.
-  virtual void sessionGone() = 0;
-  virtual QWidget& viewport() = 0;
-  virtual CMeshO* meshOf(int layer) = 0;  ///< null if it was deleted
-  virtual void log(const std::string& line) = 0;
-  virtual void poll() = 0;  ///< called when the session has results
-  /// Called when a session with LayerSession::leftBy has results. @param now  whether to cancel a drag that is not
-  /// solved
-  virtual void finishLeft(LayerSession& session, int layer, bool now) = 0;
-  virtual std::shared_ptr<const lapedit::SnapTargets> findTargets() = 0;
+  /// @throws EditError if there is nothing to edit in the mesh
+  LayerSession(const CMeshO& mesh, const lapedit::DragSession::Callbacks& callbacks);
 
- protected:
-  ~SessionUser() = default;
+  lapedit::DragSession& session() { return session_; }
+  /// Returns whether vertices, faces and positions of the mesh are still as this session wrote them. Normals, colours,
+  /// flags and transforms are not compared, since an edit does not depend on them.
+  bool matches(const CMeshO& mesh) const { return writer_.matches(mesh); }
+  /// As matches(), for some vertices only: O(1).
+  bool seemsToMatch(const CMeshO& mesh) const { return writer_.seems_to_match(mesh); }
+
+  /// Continues in a mesh that matches, but may have other normals than before.
+  void resume(const CMeshO& mesh) { writer_.keep_normals(mesh); }
+
+  enum class Update {
+    Nothing,     ///< no vertex has moved
+    Passing,     ///< a pose in progress was written
+    Settled,     ///< an applied or undone step was written
+    MeshChanged  ///< other code changed the mesh; nothing was written
+  };
+  /// Writes the vertices that have moved since the last call into the layer's mesh.
+  Update update(CMeshO& mesh);
+
+  /// Returns the vertices that are selected in MeshLab, or are corners of selected faces.
+  std::vector<int> selected(const CMeshO& mesh) const {
+    return lapedit::united(lapedit::host::selected_vertices(mesh, coreVertex_),
+                           lapedit::host::vertices_of_selected_faces(mesh, coreVertex_));
+  }
+
+  QString inHistory;                    ///< the last edit in the document's history
+  int historyPosition = -1;             ///< where it was in the history; -1: it is appended
+  LaplacianDragTool* leftBy = nullptr;  ///< who left the session with a released drag to be solved; null: none
+
+ private:
+  LayerSession(const CMeshO& mesh, const lapedit::host::BridgedMesh& bridged,
+               const lapedit::DragSession::Callbacks& callbacks);
+
+  std::vector<int> coreVertex_;  // by numbers of MeshLab's mesh
+  lapedit::DragSession session_;
+  lapedit::host::PoseWriter writer_;
 };
 
 /// Shared by the tools in one main window's views: the panel, and a session for each edited layer. One per main window,
@@ -52,12 +78,12 @@ class WindowSessions : public QObject {
   void hidePanel();
 
   /// Makes this the user of the panel, and notifies the previous one.
-  void begin(SessionUser& user, QObject* document, int layer);
-  void end(SessionUser& user);  ///< no effect if it is not the current user
+  void begin(LaplacianDragTool& user, QObject* document, int layer);
+  void end(LaplacianDragTool& user);  ///< no effect if it is not the current user
   /// Returns the sessions with LayerSession::leftBy, and their layers. @param user  null: of all users
-  std::vector<std::pair<LayerSession*, int>> left(const SessionUser* user = nullptr) const;
+  std::vector<std::pair<LayerSession*, int>> left(const LaplacianDragTool* user = nullptr) const;
   void pollSoon();  ///< as if a session had results
-  bool isUsedBy(const SessionUser& user) const { return user_ == &user; }
+  bool isUsedBy(const LaplacianDragTool& user) const { return user_ == &user; }
 
   // Layers of the user's document.
 
@@ -90,9 +116,9 @@ class WindowSessions : public QObject {
 
   QPointer<Panel> panel_;
   QMdiArea* projects_;  // null if there is none
-  SessionUser* user_ = nullptr;
-  SessionUser* finishing_ = nullptr;  // who finishes a session that was left, during the call
-  QObject* document_ = nullptr;       // the user's
+  LaplacianDragTool* user_ = nullptr;
+  LaplacianDragTool* finishing_ = nullptr;  // who finishes a session that was left, during the call
+  QObject* document_ = nullptr;             // the user's
   int layer_ = -1;
   std::atomic<bool> pollQueued_{false};
   // Last: their threads end first.

@@ -101,7 +101,7 @@ std::vector<int> handleVertices(const ParameterValues& values, const CMeshO& hos
     }
     return {vertex};
   }
-  std::vector<int> selected = selected_vertices(host, bridged);
+  std::vector<int> selected = selected_vertices(host, bridged.core_vertex);
   if (selected.empty()) {
     throw EditError(ErrorCause::NoHandle, "No vertex is selected: select some of the " + std::to_string(host.vn) +
                                               " vertices to be the handle, or give a handle point.");
@@ -115,7 +115,7 @@ RegionSpec regionSpec(const ParameterValues& values, const CMeshO& host, const B
   switch (values.integer("region_source")) {
     case SelectedFaces:
       spec.kind = RegionSpec::Kind::Vertices;
-      spec.vertices = vertices_of_selected_faces(host, bridged);
+      spec.vertices = vertices_of_selected_faces(host, bridged.core_vertex);
       if (spec.vertices.empty()) {
         throw EditError(ErrorCause::EmptyRegion, "No face is selected: select some of the " + std::to_string(host.fn) +
                                                      " faces to be the region, or choose a geodesic radius.");

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit_host/mesh_bridge.h"
 
-#include <QString>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <string>
 
 #include "lapedit/base/error.h"
-#include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit::host {
@@ -33,31 +30,9 @@ void require_vertex(const CMeshO& host, const CVertexO* corner, const char* kind
                       " vertices, counted from 0: correct the file that the mesh was read from.");
 }
 
-/// Calls make_room(count) with the number of elements that are not deleted, then use(index, element, number) for each
-/// element, where `number` counts the elements before it that are not deleted.
-template <class Container, class MakeRoom, class Use>
-void each_existing(ThreadPool& pool, const Container& all, const MakeRoom& make_room, const Use& use) {
-  const auto chunks = static_cast<std::size_t>(pool.threads());
-  const auto border = [&](std::size_t chunk) { return all.size() * chunk / chunks; };
-  std::vector<int> starts(chunks + 1, 0);
-  pool.each(pool.threads(), [&](int thread) {
-    const auto chunk = static_cast<std::size_t>(thread);
-    int count = 0;
-    for (std::size_t index = border(chunk); index < border(chunk + 1); ++index) {
-      count += all[index].IsD() ? 0 : 1;
-    }
-    starts[chunk + 1] = count;
-  });
-  std::partial_sum(starts.begin(), starts.end(), starts.begin());
-  make_room(starts.back());
-  pool.each(pool.threads(), [&](int thread) {
-    const auto chunk = static_cast<std::size_t>(thread);
-    int number = starts[chunk];
-    for (std::size_t index = border(chunk); index < border(chunk + 1); ++index) {
-      use(index, all[index], number);
-      number += all[index].IsD() ? 0 : 1;
-    }
-  });
+template <class Container>
+Eigen::Index count_existing(const Container& all) {
+  return std::count_if(all.begin(), all.end(), [](const auto& element) { return !element.IsD(); });
 }
 
 }  // namespace
@@ -87,72 +62,48 @@ void require_sound_corners(const CMeshO& host) {
 
 BridgedMesh read_mesh(const CMeshO& host) {
   require_sound_corners(host);
-  constexpr std::size_t kWorthThreads = 16384;
-  ThreadPool pool(host.vert.size() >= kWorthThreads ? 0 : 1);
   BridgedMesh bridged;
   Points& vertices = bridged.mesh.vertices;
-  const auto make_room = [&](int count) {
-    bridged.core_vertex.resize(host.vert.size());
-    bridged.host_vertex.resize(static_cast<std::size_t>(count));
-    vertices.resize(count, 3);
-  };
-  each_existing(pool, host.vert, make_room, [&](std::size_t index, const CVertexO& vertex, int v) {
-    bridged.core_vertex[index] = vertex.IsD() ? -1 : v;
-    if (!vertex.IsD()) {
-      bridged.host_vertex[static_cast<std::size_t>(v)] = static_cast<int>(index);
-      vertices.row(v) = to_core(vertex.cP()).transpose();
+  vertices.resize(count_existing(host.vert), 3);
+  for (std::size_t index = 0; index < host.vert.size(); ++index) {
+    const bool exists = !host.vert[index].IsD();
+    const auto v = static_cast<int>(bridged.host_vertex.size());
+    bridged.core_vertex.push_back(exists ? v : -1);
+    if (exists) {
+      bridged.host_vertex.push_back(static_cast<int>(index));
+      vertices.row(v) = to_core(host.vert[index].cP()).transpose();
     }
-  });
+  }
   Faces& faces = bridged.mesh.faces;
-  each_existing(
-      pool, host.face, [&](int count) { faces.resize(count, 3); },
-      [&](std::size_t, const CFaceO& face, int f) {
-        for (int k = 0; k < 3 && !face.IsD(); ++k) {
-          faces(f, k) = bridged.core_vertex[vcg::tri::Index(host, face.cV(k))];
-        }
-      });
+  faces.resize(count_existing(host.face), 3);
+  Eigen::Index f = 0;
+  for (const CFaceO& face : host.face) {
+    for (int k = 0; k < 3 && !face.IsD(); ++k) {
+      faces(f, k) = bridged.core_vertex[vcg::tri::Index(host, face.cV(k))];
+    }
+    f += face.IsD() ? 0 : 1;
+  }
   return bridged;
 }
 
-std::vector<int> selected_vertices(const CMeshO& host, const BridgedMesh& bridged) {
+std::vector<int> selected_vertices(const CMeshO& host, const std::vector<int>& core_vertex) {
   std::vector<int> selected;
-  for (std::size_t v = 0; v < bridged.host_vertex.size(); ++v) {
-    if (host.vert[static_cast<std::size_t>(bridged.host_vertex[v])].IsS()) {
-      selected.push_back(static_cast<int>(v));
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    if (!host.vert[v].IsD() && host.vert[v].IsS()) {
+      selected.push_back(core_vertex[v]);
     }
   }
   return selected;
 }
 
-std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMesh& bridged) {
+std::vector<int> vertices_of_selected_faces(const CMeshO& host, const std::vector<int>& core_vertex) {
   std::vector<int> vertices;
   for (const CFaceO& face : host.face) {
-    if (!face.IsD() && face.IsS()) {
-      for (int k = 0; k < 3; ++k) {
-        vertices.push_back(bridged.core_vertex[vcg::tri::Index(host, face.cV(k))]);
-      }
+    for (int k = 0; k < 3 && !face.IsD() && face.IsS(); ++k) {
+      vertices.push_back(core_vertex[vcg::tri::Index(host, face.cV(k))]);
     }
   }
   return sorted_set(std::move(vertices));
-}
-
-std::vector<int> selected_vertices_and_corners(const CMeshO& host, const std::vector<int>& core_vertex) {
-  std::vector<char> chosen(host.vert.size(), 0);
-  for (std::size_t v = 0; v < host.vert.size(); ++v) {
-    chosen[v] = !host.vert[v].IsD() && host.vert[v].IsS() ? 1 : 0;
-  }
-  for (const CFaceO& face : host.face) {
-    for (int k = 0; k < 3 && !face.IsD() && face.IsS(); ++k) {
-      chosen[vcg::tri::Index(host, face.cV(k))] = 1;
-    }
-  }
-  std::vector<int> vertices;
-  for (std::size_t v = 0; v < chosen.size(); ++v) {
-    if (chosen[v] != 0) {
-      vertices.push_back(core_vertex[v]);
-    }
-  }
-  return vertices;
 }
 
 double finite_diagonal(const CMeshO& host) {

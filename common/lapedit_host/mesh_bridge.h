@@ -29,11 +29,9 @@ void require_sound_corners(const CMeshO& host);
 /// @throws EditError (BadIndex) as require_sound_corners() does
 BridgedMesh read_mesh(const CMeshO& host);
 
-/// Returns vertex numbers of the bridged mesh, ascending.
-std::vector<int> selected_vertices(const CMeshO& host, const BridgedMesh& bridged);
-std::vector<int> vertices_of_selected_faces(const CMeshO& host, const BridgedMesh& bridged);
-/// Returns the selected vertices and the corners of selected faces. @param core_vertex  as in BridgedMesh
-std::vector<int> selected_vertices_and_corners(const CMeshO& host, const std::vector<int>& core_vertex);
+/// Returns vertex numbers of the bridged mesh, ascending. @param core_vertex  as in BridgedMesh
+std::vector<int> selected_vertices(const CMeshO& host, const std::vector<int>& core_vertex);
+std::vector<int> vertices_of_selected_faces(const CMeshO& host, const std::vector<int>& core_vertex);
 
 inline bool is_finite(const Point3m& point) {
   return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);

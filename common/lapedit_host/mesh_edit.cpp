@@ -144,8 +144,8 @@ EditedMesh edit_mesh(const CMeshO& host, const MakeEdit& make, double fraction, 
   validate(mesh);
   const Edit edit = make(edited.bridged);
   edited.adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
-  const SelectedVertices selection = {selected_vertices(host, edited.bridged),
-                                      vertices_of_selected_faces(host, edited.bridged)};
+  const SelectedVertices selection = {selected_vertices(host, edited.bridged.core_vertex),
+                                      vertices_of_selected_faces(host, edited.bridged.core_vertex)};
   edited.pose = std::move(apply_edit(mesh, edited.adjacency, edit, selection, {fraction}, kStoredScalar).front());
   count_self_intersections(mesh, edited.pose, kFewVertices);
   return edited;

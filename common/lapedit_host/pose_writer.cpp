@@ -15,8 +15,8 @@ namespace {
 
 /// Elements per task; a task with fewer costs more than it saves.
 constexpr int kGrain = 4096;
-constexpr int kProbes = 16;   // number of vertices to compare that are away
-constexpr int kSpread = 256;  // number of vertices to compare among all
+constexpr std::size_t kProbes = 16;   // number of vertices to compare that are away
+constexpr std::size_t kSpread = 256;  // number of vertices to compare among all
 
 bool same_bits(const Point3m& a, const Point3m& b) {
   // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): compares the bits on purpose
@@ -42,31 +42,24 @@ PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adj
       host_vertices_(host.vert.size()),
       host_faces_(host.face.size()),
       first_box_(host.bbox) {
-  const auto copy_vertices = [&] {
-    first_.reserve(host_vertex_.size());
-    first_normals_.reserve(host_vertex_.size());
-    now_.reserve(host_vertex_.size());
-    for (const int v : host_vertex_) {
-      first_.push_back(host.vert[static_cast<std::size_t>(v)].cP());
-      first_normals_.push_back(host.vert[static_cast<std::size_t>(v)].cN());
-      now_.push_back({first_.back(), false});
+  first_.reserve(host_vertex_.size());
+  first_normals_.reserve(host_vertex_.size());
+  now_.reserve(host_vertex_.size());
+  for (const int v : host_vertex_) {
+    first_.push_back(host.vert[static_cast<std::size_t>(v)].cP());
+    first_normals_.push_back(host.vert[static_cast<std::size_t>(v)].cN());
+    now_.push_back({first_.back(), false});
+  }
+  for (std::size_t f = 0; f < host_faces_; ++f) {
+    if (!host.face[f].IsD()) {
+      host_face_.push_back(static_cast<int>(f));
+      first_face_normals_.push_back(host.face[f].cN());
     }
-    is_touched_.assign(first_.size(), 0);
-    probes_.reserve(kProbes + 1);
-  };
-  const auto copy_faces = [&] {
-    host_face_.reserve(host_faces_);
-    first_face_normals_.reserve(host_faces_);
-    for (std::size_t f = 0; f < host_faces_; ++f) {
-      if (!host.face[f].IsD()) {
-        host_face_.push_back(static_cast<int>(f));
-        first_face_normals_.push_back(host.face[f].cN());
-      }
-    }
-    is_around_.assign(host_face_.size(), 0);
-    position_.resize(host_face_.size());
-  };
-  pool_.each(2, [&](int part) { part == 0 ? copy_vertices() : copy_faces(); });
+  }
+  away_.reserve(now_.size());
+  is_touched_.assign(host_vertex_.size(), 0);
+  is_around_.assign(host_face_.size(), 0);
+  position_.resize(host_face_.size());
 }
 
 void PoseWriter::find_affected(const std::vector<int>& vertices) {
@@ -86,36 +79,17 @@ void PoseWriter::find_affected(const std::vector<int>& vertices) {
   }
   // Access in ascending order is the fastest.
   list_flagged(is_touched_, a.touched);
-  a.faces.offsets.assign(1, 0);
   for (const int v : a.touched) {
     for (const int f : adjacency_.faces[v]) {
       is_around_[static_cast<std::size_t>(f)] = 1;
     }
-    a.faces.offsets.push_back(a.faces.offsets.back() + adjacency_.faces[v].size());
   }
   list_flagged(is_around_, a.around);
-  const auto make_room = [&a](int part) {
-    if (part == 0) {
-      a.faces.values.resize(static_cast<std::size_t>(a.faces.offsets.back()));
-    } else {
-      a.areas.resize(a.around.size());
-      a.measured.clear();
-    }
-  };
-  pool_.each(2, make_room);
-  in_pieces(pool_, static_cast<int>(a.around.size()), kGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      position_[static_cast<std::size_t>(a.around[static_cast<std::size_t>(i)])] = i;
-    }
-  });
-  in_pieces(pool_, static_cast<int>(a.touched.size()), kGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      int* value = a.faces.values.data() + a.faces.offsets[static_cast<std::size_t>(i)];
-      for (const int f : adjacency_.faces[a.touched[static_cast<std::size_t>(i)]]) {
-        *value++ = position_[static_cast<std::size_t>(f)];
-      }
-    }
-  });
+  for (std::size_t i = 0; i < a.around.size(); ++i) {
+    position_[static_cast<std::size_t>(a.around[i])] = static_cast<int>(i);
+  }
+  a.normals.resize(a.around.size());
+  a.angles.clear();
 }
 
 Point3m& PoseWriter::normal_of_vertex(CMeshO& host, int vertex) const {
@@ -127,75 +101,45 @@ Point3m& PoseWriter::normal_of_face(CMeshO& host, int face) const {
 }
 
 void PoseWriter::write_places(CMeshO& host, const Points& positions) {
-  std::atomic<int> came_away{0};
   in_pieces(pool_, static_cast<int>(affected_.vertices.size()), kGrain, [&](int begin, int end) {
-    int count = 0;
     for (int i = begin; i < end; ++i) {
       const auto v = static_cast<std::size_t>(affected_.vertices[static_cast<std::size_t>(i)]);
       Corner& now = now_[v];
       const Point3m position = to_host(positions.row(i).transpose());
       now.position = position == first_[v] ? first_[v] : position;  // zeros keep their sign
-      count -= now.is_away ? 1 : 0;
       now.is_away = !same_bits(now.position, first_[v]);
-      count += now.is_away ? 1 : 0;
       host.vert[static_cast<std::size_t>(host_vertex_[v])].P() = now.position;
     }
-    came_away += count;
   });
-  away_count_ += came_away;
 }
 
-void PoseWriter::write_passing_normals(CMeshO& host) {
+/// Writes the normals of all that the last set of vertices affects. Those of a settled pose are weighted by angles.
+void PoseWriter::write_normals(CMeshO& host, bool settled) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Affected& a = affected_;
+  a.angles.resize(settled ? a.around.size() : a.angles.size());
   in_pieces(pool_, static_cast<int>(a.around.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const int f = a.around[static_cast<std::size_t>(i)];
-      const Corner* corners[3];
-      for (int k = 0; k < 3; ++k) {
-        corners[k] = &now_[static_cast<std::size_t>(faces_(f, k))];
-      }
-      const Vector3 origin = to_core(corners[0]->position);
-      const Vector3 area = (to_core(corners[1]->position) - origin).cross(to_core(corners[2]->position) - origin);
-      const double square = area.squaredNorm();
-      const bool has_area = square > 0 && square < kInfinity;
-      const bool is_away = corners[0]->is_away || corners[1]->is_away || corners[2]->is_away;
-      normal_of_face(host, f) = is_away && has_area ? to_host(area * (1 / std::sqrt(square)))
-                                                    : first_face_normals_[static_cast<std::size_t>(f)];
-      a.areas[static_cast<std::size_t>(i)] = {has_area ? area : Vector3::Zero(), is_away};
-    }
-  });
-  in_pieces(pool_, static_cast<int>(a.touched.size()), kGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      Vector3 sum = Vector3::Zero();
-      bool shows = false;
-      for (const int face : a.faces[i]) {
-        const AreaNormal& area = a.areas[static_cast<std::size_t>(face)];
-        sum += area.vector;
-        shows |= area.is_away;
-      }
-      const double square = sum.squaredNorm();
-      const int v = a.touched[static_cast<std::size_t>(i)];
-      normal_of_vertex(host, v) = shows && square > 0 && square < kInfinity
-                                      ? to_host(sum * (1 / std::sqrt(square)))
-                                      : first_normals_[static_cast<std::size_t>(v)];
-    }
-  });
-}
-
-void PoseWriter::write_settled_normals(CMeshO& host) {
-  Affected& a = affected_;
-  a.measured.resize(a.around.size());
-  in_pieces(pool_, static_cast<int>(a.around.size()), kGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      const int f = a.around[static_cast<std::size_t>(i)];
-      MeasuredFace& face = a.measured[static_cast<std::size_t>(i)];
       const auto corner = [&](int k) -> const Corner& { return now_[static_cast<std::size_t>(faces_(f, k))]; };
+      const Vector3 p = to_core(corner(0).position), q = to_core(corner(1).position), r = to_core(corner(2).position);
+      FaceNormal& face = a.normals[static_cast<std::size_t>(i)];
       face.is_away = corner(0).is_away || corner(1).is_away || corner(2).is_away;
-      face.has_shape =
-          measure({to_core(corner(0).position), to_core(corner(1).position), to_core(corner(2).position)}, face.shape);
-      normal_of_face(host, f) = face.is_away && face.has_shape ? to_host(face.shape.normal)
-                                                               : first_face_normals_[static_cast<std::size_t>(f)];
+      Vector3 unit = Vector3::Zero();
+      if (FaceShape shape; settled) {
+        face.has_area = measure({p, q, r}, shape);
+        if (face.has_area) {
+          face.vector = unit = shape.normal;
+          a.angles[static_cast<std::size_t>(i)] = shape.angles;
+        }
+      } else {
+        face.vector = (q - p).cross(r - p);
+        const double square = face.vector.squaredNorm();
+        face.has_area = square > 0 && square < kInfinity;
+        unit = face.vector * (1 / std::sqrt(square));
+      }
+      normal_of_face(host, f) =
+          face.is_away && face.has_area ? to_host(unit) : first_face_normals_[static_cast<std::size_t>(f)];
     }
   });
   in_pieces(pool_, static_cast<int>(a.touched.size()), kGrain, [&](int begin, int end) {
@@ -203,17 +147,24 @@ void PoseWriter::write_settled_normals(CMeshO& host) {
       const int v = a.touched[static_cast<std::size_t>(i)];
       Vector3 sum = Vector3::Zero();
       bool shows = false;
-      for (const int position : a.faces[i]) {
-        const MeasuredFace& face = a.measured[static_cast<std::size_t>(position)];
-        const int f = a.around[static_cast<std::size_t>(position)];
+      for (const int f : adjacency_.faces[v]) {
+        const auto at = static_cast<std::size_t>(position_[static_cast<std::size_t>(f)]);
+        const FaceNormal& face = a.normals[at];
         shows |= face.is_away;
-        for (int k = 0; face.has_shape && k < 3; ++k) {
+        if (!settled && face.has_area) {
+          sum += face.vector;
+        }
+        for (int k = 0; settled && face.has_area && k < 3; ++k) {
           if (faces_(f, k) == v) {
-            sum += face.shape.angles[k] * face.shape.normal;
+            sum += a.angles[at][k] * face.vector;
           }
         }
       }
-      normal_of_vertex(host, v) = shows && sum.norm() > 0 ? to_host(sum) : first_normals_[static_cast<std::size_t>(v)];
+      const double square = sum.squaredNorm();
+      const bool has_sum = settled ? sum.norm() > 0 : square > 0 && square < kInfinity;
+      normal_of_vertex(host, v) = !shows || !has_sum ? first_normals_[static_cast<std::size_t>(v)]
+                                  : settled          ? to_host(sum)
+                                                     : to_host(sum * (1 / std::sqrt(square)));
     }
   });
 }
@@ -249,43 +200,56 @@ bool PoseWriter::write(CMeshO& host, const std::vector<int>& vertices, const Poi
   }
   if (vertices != affected_.vertices) {
     if (!affected_.is_settled) {
-      write_settled_normals(host);
+      write_normals(host, true);
     }
     find_affected(vertices);
   }
   write_places(host, positions);
+  write_normals(host, settled);
   affected_.is_settled = settled;
   if (settled) {
-    write_settled_normals(host);
-    choose_probes();
-    host.bbox = away_count_ > 0 ? finite_box(host) : first_box_;
-  } else {
-    write_passing_normals(host);
+    away_.clear();
+    for (std::size_t v = 0; v < now_.size(); ++v) {
+      if (now_[v].is_away) {
+        away_.push_back(static_cast<int>(v));
+      }
+    }
+    host.bbox = away_.empty() ? first_box_ : finite_box(host);
   }
   return true;
 }
 
-void PoseWriter::choose_probes() {
-  probes_.clear();
-  int count = 0;
-  for (std::size_t v = 0; away_count_ > 0 && v < now_.size(); ++v) {
-    if (now_[v].is_away && count++ % (away_count_ / kProbes + 1) == 0) {
-      probes_.push_back(static_cast<int>(v));
+void PoseWriter::keep_normals(const CMeshO& host) {
+  std::vector<char> is_affected(now_.size(), 0);
+  for (std::size_t f = 0; f < host_face_.size(); ++f) {
+    const auto corners = faces_.row(static_cast<Eigen::Index>(f));
+    if (std::any_of(corners.begin(), corners.end(), [&](int v) { return now_[static_cast<std::size_t>(v)].is_away; })) {
+      for (const int v : corners) {
+        is_affected[static_cast<std::size_t>(v)] = 1;
+      }
+    } else {
+      first_face_normals_[f] = host.face[static_cast<std::size_t>(host_face_[f])].cN();
     }
   }
+  for (std::size_t v = 0; v < now_.size(); ++v) {
+    if (!is_affected[v]) {
+      first_normals_[v] = host.vert[static_cast<std::size_t>(host_vertex_[v])].cN();
+    }
+  }
+  first_box_ = away_.empty() ? host.bbox : first_box_;
 }
 
 bool PoseWriter::seems_to_match(const CMeshO& host) const {
-  if (!has_same_size(host) || !std::all_of(probes_.begin(), probes_.end(), [&](int v) { return is_ours(host, v); })) {
-    return false;
-  }
-  const int count = static_cast<int>(now_.size());
-  for (int v = 0; v < count; v += count / kSpread + 1) {
-    if (!is_ours(host, v)) {
-      return false;
+  const auto some_are_ours = [&](std::size_t count, std::size_t most, const auto& vertex) {
+    for (std::size_t i = 0; i < count; i += count / most + 1) {
+      if (!is_ours(host, vertex(i))) {
+        return false;
+      }
     }
-  }
-  return true;
+    return true;
+  };
+  return has_same_size(host) && some_are_ours(away_.size(), kProbes, [&](std::size_t i) { return away_[i]; }) &&
+         some_are_ours(now_.size(), kSpread, [](std::size_t v) { return static_cast<int>(v); });
 }
 
 bool PoseWriter::matches(const CMeshO& host) const {

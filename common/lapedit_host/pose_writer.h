@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "lapedit/base/thread_pool.h"
@@ -39,6 +40,10 @@ class PoseWriter {
   /// the first settled pose allocates.
   bool write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled);
 
+  /// Makes the normals and the box that the host mesh has now the first ones, except those that moved vertices affect:
+  /// other code may have changed them. matches() has to hold. O(vertices + faces).
+  void keep_normals(const CMeshO& host);
+
   /// Returns whether vertices and faces of the host mesh are still those of construction, and positions those of the
   /// last write(). O(vertices + faces).
   bool matches(const CMeshO& host) const;
@@ -52,25 +57,19 @@ class PoseWriter {
     bool is_away;
   };
 
-  struct MeasuredFace {
-    FaceShape shape;
-    bool has_shape, is_away;
-  };
-
-  /// The normal, twice the area long; zero if undefined.
-  struct AreaNormal {
+  /// The normal of a face: of unit length, or in a passing pose twice its area long.
+  struct FaceNormal {
     Vector3 vector;
-    bool is_away;
+    bool has_area, is_away;
   };
 
   /// The vertices and faces that a pose of the last set of vertices changes.
   struct Affected {
-    std::vector<int> vertices;           // that set
-    std::vector<int> touched;            // that set and the corners of its faces, ascending
-    std::vector<int> around;             // all faces at touched vertices, ascending
-    CompressedRows faces;                // entry of touched -> entries of around, ascending
-    std::vector<AreaNormal> areas;       // per entry of around, of a passing pose
-    std::vector<MeasuredFace> measured;  // likewise, of a settled one
+    std::vector<int> vertices;                  // that set
+    std::vector<int> touched;                   // that set and the corners of its faces, ascending
+    std::vector<int> around;                    // all faces at touched vertices, ascending
+    std::vector<FaceNormal> normals;            // per entry of around
+    std::vector<std::array<double, 3>> angles;  // likewise, of a settled pose: those at its corners
     bool is_settled = true;
   };
 
@@ -79,9 +78,7 @@ class PoseWriter {
   bool are_ours(const CMeshO& host, const std::vector<int>* vertices);  // null: all
   void find_affected(const std::vector<int>& vertices);
   void write_places(CMeshO& host, const Points& positions);
-  void write_passing_normals(CMeshO& host);
-  void write_settled_normals(CMeshO& host);
-  void choose_probes();
+  void write_normals(CMeshO& host, bool settled);
   Point3m& normal_of_vertex(CMeshO& host, int vertex) const;
   Point3m& normal_of_face(CMeshO& host, int face) const;
 
@@ -92,8 +89,7 @@ class PoseWriter {
   std::vector<Point3m> first_, first_normals_, first_face_normals_;
   Box3m first_box_;
   std::vector<Corner> now_;
-  int away_count_ = 0;
-  std::vector<int> probes_;  // some vertices that are away
+  std::vector<int> away_;  // vertices that are away since the last settled pose
   Affected affected_;
   std::vector<char> is_touched_, is_around_;  // per vertex and face: whether affected_ has it
   std::vector<int> position_;                 // mesh face -> entry of affected_.around, if it is there

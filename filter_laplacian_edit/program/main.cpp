@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -11,7 +12,7 @@
 #include "failure.h"
 #include "files/files.h"
 #include "files/system.h"
-#include "formats/scan_file.h"
+#include "formats/text_reader.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
@@ -32,6 +33,27 @@ using namespace lapedit;
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Returns the scan in a file. Without faces, which only PLY allows, it has the normals of the file's points.
+ScanData scanOf(const MeshFile& file, std::string name) {
+  ScanData scan;
+  scan.name = std::move(name);
+  scan.mesh = file.mesh;
+  const auto count = static_cast<std::size_t>(3 * scan.mesh.vertices.rows());
+  if (scan.mesh.faces.rows() > 0 || file.normals.empty() || file.normals.front().ofFaces ||
+      file.normals.front().at.size() != count) {
+    return scan;
+  }
+  const FileNormals& normals = file.normals.front();
+  scan.normals.resize(scan.mesh.vertices.rows(), 3);
+  for (std::size_t k = 0; k < count; ++k) {
+    const NumberKind kind = normals.kinds[k % 3];
+    scan.normals.data()[k] = kind == NumberKind::Float || kind == NumberKind::Double
+                                 ? realAt(file.bytes, normals.at[k], isSingle(kind) ? 4 : 8, file.bigEndian)
+                                 : std::strtod(file.bytes.data() + normals.at[k], nullptr);
+  }
+  return scan;
+}
 
 /// Reads the scan that an edit names, relative to its folder.
 ScanData readScan(const FitStep& fit) {

@@ -83,15 +83,30 @@ struct Words {
   const std::string& value(const char* option, std::size_t k = 0) const { return options.at(option)[k]; }
 };
 
-/// Names of the options, and how many values follow each.
-constexpr std::pair<const char*, std::size_t> kOptions[] = {
-    {"--fit", 1},    {"--fraction", 1},   {"--fractions", 1}, {"--landmarks", 2}, {"--nearest", 1},
-    {"--report", 1}, {"--symmetrise", 0}, {"--info", 0},      {"--quality", 0},   {"--contact", 0},
-    {"--strict", 0}, {"--quiet", 0},      {"--help", 0},      {"--version", 0},
+struct Option {
+  const char *name, *shortName;
+  std::size_t values;             ///< how many follow it
+  bool Options::*flag = nullptr;  ///< that it sets
+};
+
+constexpr Option kOptions[] = {
+    {"--fit", "", 1},
+    {"--fraction", "", 1},
+    {"--fractions", "", 1, &Options::numbered},
+    {"--landmarks", "", 2},
+    {"--nearest", "", 1},
+    {"--report", "", 1},
+    {"--symmetrise", "", 0, &Options::symmetrise},
+    {"--info", "", 0, &Options::info},
+    {"--quality", "", 0, &Options::quality},
+    {"--contact", "", 0, &Options::contact},
+    {"--strict", "", 0, &Options::strict},
+    {"--quiet", "-q", 0, &Options::quiet},
+    {"--help", "-h", 0},
+    {"--version", "-v", 0},
 };
 
 Words sorted(const std::vector<std::string>& arguments) {
-  static const std::map<std::string, std::string> kShort = {{"-q", "--quiet"}, {"-h", "--help"}, {"-v", "--version"}};
   Words words;
   for (auto word = arguments.begin(); word != arguments.end(); ++word) {
     if (*word == "--") {
@@ -103,15 +118,16 @@ Words sorted(const std::vector<std::string>& arguments) {
       continue;
     }
     const std::size_t equals = word->find('=');
-    const auto isShort = kShort.find(*word);
-    const std::string name = isShort != kShort.end() ? isShort->second : word->substr(0, equals);
-    const auto* const option = std::find_if(std::begin(kOptions), std::end(kOptions),
-                                            [&name](const auto& each) { return name == each.first; });
+    const std::string given = word->substr(0, equals);
+    const auto* const option = std::find_if(std::begin(kOptions), std::end(kOptions), [&](const Option& each) {
+      return given == each.name || *word == each.shortName;
+    });
     if (option == std::end(kOptions)) {
-      refuse("There is no option " + quotedPath(name) + "." +
+      refuse("There is no option " + quotedPath(given) + "." +
              ((*word)[1] != '-' ? " Give a file name that begins with - as ./-name, or after --." : ""));
     }
-    const std::size_t count = option->second;
+    const std::string name = option->name;
+    const std::size_t count = option->values;
     std::vector<std::string>& values = words.options[name];
     if (!values.empty() && name != "--nearest") {
       refuse("The option " + name + " is given more than once.");
@@ -160,7 +176,6 @@ MeshReader commonReader(const Options& options) {
 void takeFiles(const Words& words, Options& options) {
   const std::vector<std::string>& files = words.files;
   const bool hasLandmarks = words.has("--landmarks");
-  options.symmetrise = words.has("--symmetrise");
   const bool hasFit = words.has("--fit") || options.symmetrise;
   if (options.symmetrise && (words.has("--fit") || hasLandmarks)) {
     refuse("Give --symmetrise without --fit and --landmarks.");
@@ -220,12 +235,11 @@ std::optional<Options> readOptions(const std::vector<std::string>& arguments, st
     return {};
   }
   Options options;
-  options.info = words.has("--info");
-  options.quiet = words.has("--quiet");
-  options.strict = words.has("--strict");
-  options.quality = words.has("--quality");
-  options.contact = words.has("--contact");
-  options.numbered = words.has("--fractions");
+  for (const Option& option : kOptions) {
+    if (option.flag != nullptr) {
+      options.*option.flag = words.has(option.name);
+    }
+  }
   options.report = words.has("--report") ? words.value("--report") : "";
   if (words.has("--nearest")) {
     const std::vector<std::string>& points = words.options.at("--nearest");

@@ -461,6 +461,27 @@ TEST(PoseWriter, SeesWhenOtherCodeChangesTheMesh) {
   }
 }
 
+TEST(PoseWriter, KeepsNormalsThatOtherCodeSetWhereNothingHasMoved) {
+  Scene scene(shapes::grid(12, 12));
+  PoseWriter writer = scene.writer();
+  const Points first = support::rows(scene.bridged.mesh.vertices, {13, 14}), lifted = first.array() + 1;
+  ASSERT_TRUE(writer.write(scene.host, {13, 14}, lifted, true));
+  for (CVertexO& vertex : scene.host.vert) {
+    vertex.N() = Point3m(0, 5, static_cast<Scalarm>(vcg::tri::Index(scene.host, vertex)));
+  }
+  scene.host.face.back().N() = Point3m(8, 8, 8);
+  State changed(scene.host);
+  writer.keep_normals(scene.host);
+  const std::vector<int> far = stretch(100, 20);
+  const Points there = support::rows(scene.bridged.mesh.vertices, far);
+  ASSERT_TRUE(writer.write(scene.host, far, there.array() + 1, true));
+  ASSERT_TRUE(writer.write(scene.host, far, there, true));
+  expect_same(State(scene.host), changed);
+  ASSERT_TRUE(writer.write(scene.host, {13, 14}, first, true));
+  EXPECT_TRUE(same_bits(scene.host.vert[13].cN(), Point3m(13, -0.0F, 3)));
+  EXPECT_TRUE(same_bits(scene.host.vert[143].cN(), Point3m(0, 5, 143)));
+}
+
 TEST(PoseWriter, DoesNotMindAMeshThatMovesInMemory) {
   Scene scene(shapes::grid(8, 8));
   PoseWriter writer = scene.writer();

@@ -214,6 +214,17 @@ class Region(ToolTest):
             self.assertEqual(w.dump()["face_flags"], selected)
             self.assert_replay_is_the_same(w, self.mesh)
 
+    def test_motion_begins_before_a_selected_region_is_known(self):
+        """Until then the region has no handle groups, and no pose shows where contact would stop the handle."""
+        with self.start(self.mesh) as w:
+            w.set(part("contact"), True)
+            w.click(*w.pixel(self.CENTRE))
+            w.layer(selected_vertices=[v for v in range(len(self.points)) if 10 <= v // self.ROWS <= 30 and 10 <= v % self.ROWS <= 30])
+            self.assertEqual(w.batch([{"command": "set", "name": part("from_selection"), "value": True},
+                                      {"command": "key", "key": "T", "modifiers": []}, {"command": "on_screen"}]), [])
+            w.key(".", "1", "Return")
+            self.assertEqual(self.steps_in_log(w)[-1]["region"], 21 * 21)
+
     def test_fixed_vertices_may_be_selected_before_a_handle(self):
         with self.start(self.mesh) as w:
             w.set(part("group_paint"), True)

@@ -253,6 +253,22 @@ class Leave(LeavingTest):
             self.assertEqual(w.history()[0]["name"], "Laplacian Edit Replay")
             self.assert_gives(replay(w.history()[0]["texts"]["edit"]), self.mesh, w.dump(0))
 
+    def test_by_a_filter_that_changes_normals(self):
+        """A step before it is undone, and so has no part in what later steps restore."""
+        with self.start(self.mesh) as w:
+            before = w.dump()
+            self.pull(w, self.CENTRE, (20, -20))
+            w.press_button(part("undo"))
+            self.assert_same(before, w.dump())
+            w.run_filter("Re-Compute Vertex Normals")
+            filtered = w.dump()
+            self.assertIn("normals", before.differences(filtered))
+            w.trigger(TOOL)
+            self.assertTrue(w.widget(part("redo"))["enabled"])
+            self.pull(w, self.CENTRE, (12, -8))
+            w.press_button(part("undo"))
+            self.assert_same(filtered, w.dump())
+
     def test_steps_before_a_filter_are_saved_and_fixed_vertices_stay(self):
         with self.start(self.mesh) as w:
             w.set(part("brush_target"), "Fixed")

@@ -406,6 +406,7 @@ class Events:
 
     def reloaded(self):
         self.busy()
+        self.w.idle()  # a drag that is still being solved would be a step of the mesh read again, which is the same
         opened = self.opened()
         self.w.trigger("Reload", wait=False)
         self.w.wait(lambda: self.opened() > opened, "the mesh was not read again", 20)

@@ -140,7 +140,7 @@ struct SolverThread::Impl {
   void prepare_in_background();
   void take_prepared(std::unique_lock<std::mutex>& lock);
   void make_cells(StepSolver& solver);
-  void publish_ready(int mine, double prepare_ms, bool has_preview);
+  void publish_ready(int mine, double prepare_ms);
 
   // Posing.
   void pose_cells(int mine, bool last);
@@ -212,17 +212,13 @@ Progress SolverThread::Impl::progress_of(int mine) {
   };
 }
 
-void SolverThread::Impl::publish_ready(int mine, double prepare_ms, bool has_preview) {
+void SolverThread::Impl::publish_ready(int mine, double prepare_ms) {
   work.system = work.solver->system();
   publish(mine, [&] {
     SolverUpdate& update = response.update;
-    update.ready = true;
+    update.preview = update.ready = true;
     update.prepare_ms = prepare_ms;
     update.full_frames = !has_frames();
-    if (!has_preview) {
-      update.preview = true;
-      update.preview_ms = prepare_ms;
-    }
   });
 }
 
@@ -257,16 +253,13 @@ void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
     solver->prepare(*task.mesh, work.system.get());
     work.solver = solver;
     work.generation = mine;
-    publish_ready(mine, watch.elapsed(), false);
+    publish_ready(mine, watch.elapsed());
     return;
   }
   work.solver = solver;
   work.generation = mine;
   if (solver->has_frames()) {
-    publish(mine, [&] {
-      response.update.preview = true;
-      response.update.preview_ms = watch.elapsed();
-    });
+    publish(mine, [&] { response.update.preview = true; });
   }
   work.next_job = std::make_shared<Job>(Job{solver, task.mesh, watch, mine});
   {
@@ -312,9 +305,8 @@ void SolverThread::Impl::take_prepared(std::unique_lock<std::mutex>& lock) {
   work.system = job->system;
   job->previous.reset();
   if (generation == mine && job->error.empty()) {
-    const bool has_preview = job->solver->cells() != nullptr;
     job->solver->take(work.system);
-    publish_ready(mine, job->watch.elapsed(), has_preview);
+    publish_ready(mine, job->watch.elapsed());
   } else if (generation == mine) {
     publish(mine, [&] { response.update.error = job->error; });
     work.solver.reset();

@@ -42,7 +42,6 @@ struct SolverPose {
 struct SolverUpdate {
   std::shared_ptr<const Region> region;  ///< with classified vertices: can be shown, not yet dragged
   bool preview = false;                  ///< solve() has responses, possibly from the cells alone
-  double preview_ms = 0;                 ///< time from the request to that state
   bool ready = false;                    ///< prepared: solve() has responses from the system
   double prepare_ms = 0;                 ///< time of all stages, once ready
   bool full_frames = false;              ///< once ready: frames are full solutions, see StepSolver::has_frames()

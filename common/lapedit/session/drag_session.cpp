@@ -51,7 +51,7 @@ std::string DragSession::message() const {
   const bool is_large = model_.shown.part_of_piece() > 0.5 &&
                         model_.selection.region.kind != RegionSpec::Kind::Component && model_.has_active_group() &&
                         model_.shown.held_by_nothing() == 0 && !model_.tools.paint;
-  std::string text = is_large ? messages::large_region(model_.shown.part_of_piece()) : std::string();
+  std::string text = is_large ? format_text(messages::kLargeRegion, 100 * model_.shown.part_of_piece()) : std::string();
   if (const Dragging* const drag = solver_.in<Dragging>()) {
     return text + messages::dragging(drag->motion, drag->by_button, solver_.figures().full_frames);
   }
@@ -81,16 +81,16 @@ std::string DragSession::next_click() const {
     return selection.has_region ? messages::kPickInRegion : messages::kPickAnywhere;
   }
   if (!model_.unconnected.empty()) {
-    return messages::unconnected(model_.unconnected);
+    return format_text(messages::kUnconnected, model_.unconnected.size(), model_.unconnected.front());
   }
   if (const int free = model_.shown.held_by_nothing(); free > 0) {
-    return messages::nothing_holds(free);
+    return format_text(messages::kNothingHolds, free);
   }
   if (selection.mode == HandleMode::Curve && selection.curve_end >= 0) {
     return messages::kLeadCurve;
   }
   if (selection.groups.size() > 1) {
-    return messages::drag_handles(selection.along.size() + 1, selection.groups.size());
+    return format_text(messages::kDragHandles, selection.along.size() + 1, selection.groups.size());
   }
   return selection.discs.curves.front().bends() ? messages::kBendCurve : messages::kDragHandle;
 }
@@ -211,7 +211,7 @@ void DragSession::set_mirror(const std::optional<MirrorPlane>& plane) {
     solver_.handles_changed();
     const double off = plane ? asymmetry(mesh(), *plane) : 0;
     if (off > kSymmetric && model_.refusal.empty()) {
-      model_.refusal = messages::asymmetric(off);
+      model_.refusal = format_text(messages::kAsymmetric, 100 * off);
     }
   }
 }
@@ -230,12 +230,13 @@ void DragSession::set_last_step(const HandleTransform& motion, double fraction, 
   if (!last) {
     model_.refusal = messages::kNoLastStep;
   } else if (!(motion.scale > 0) || !std::isfinite(motion.scale)) {
-    model_.refusal = messages::out_of_range("factor of the last step", motion.scale, "a finite number greater than 0");
+    model_.refusal =
+        format_text(messages::kOutOfRange, "factor of the last step", motion.scale, "a finite number greater than 0");
   } else if (!(fraction >= 0 && fraction <= 1)) {
-    model_.refusal = messages::out_of_range("fraction of the last step", fraction, "a number from 0 to 1");
+    model_.refusal = format_text(messages::kOutOfRange, "fraction of the last step", fraction, "a number from 0 to 1");
   } else if (!motion.translation.allFinite() || !std::isfinite(motion.degrees)) {
-    model_.refusal = messages::out_of_range("displacement of the last step", motion.translation.norm() + motion.degrees,
-                                            "finite numbers");
+    model_.refusal = format_text(messages::kOutOfRange, "displacement of the last step",
+                                 motion.translation.norm() + motion.degrees, "finite numbers");
   } else if (last->single && (motion.degrees != 0 || motion.scale != 1)) {
     model_.refusal = messages::single_vertex(motion.degrees != 0 ? MotionKind::Rotate : MotionKind::Scale,
                                              model_.active_group().front());
@@ -355,7 +356,7 @@ void DragSession::undo_or_redo(bool again, std::size_t actions) {
   for (; actions > 0; --actions) {
     const std::size_t steps = model_.history.steps().size();
     is_step = again ? model_.redo() : model_.undo();
-    model_.log(is_step ? messages::step_changed(again ? steps + 1 : steps, again ? "redone" : "undone")
+    model_.log(is_step ? format_text(messages::kStepChanged, again ? steps + 1 : steps, again ? "redone" : "undone")
                : again ? messages::kStrokeRedone
                        : messages::kStrokeUndone);
   }
@@ -511,10 +512,10 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
       set(&Tools::gizmo, !model_.tools.gizmo);
       return true;
     case DragKey::NextGroup:
-      model_.take(with_next_group(model_.selection));
+      model_.take(with_next(model_.selection, Selection::Next::Group));
       return true;
     case DragKey::NewRegion:
-      model_.take(with_next_region(model_.selection));
+      model_.take(with_next(model_.selection, Selection::Next::Region));
       return true;
     case DragKey::Curve:
       set(&Tools::mode, model_.selection.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);

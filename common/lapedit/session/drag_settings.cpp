@@ -36,7 +36,8 @@ void validate(const DragSettings& settings) {
       {"brush's radius", static_cast<double>(settings.brush_pixels), 1, 1000, "1 to 1000 pixels"}};
   for (const auto& range : ranges) {
     if (!(range.value >= range.low && range.value <= range.high)) {
-      throw EditError(ErrorCause::BadParameter, messages::out_of_range(range.what, range.value, range.wanted));
+      throw EditError(ErrorCause::BadParameter,
+                      format_text(messages::kOutOfRange, range.what, range.value, range.wanted));
     }
   }
 }

@@ -13,7 +13,7 @@
 #include "lapedit/mesh/symmetry.h"
 #include "lapedit/mesh/vertex_tree.h"
 #include "lapedit/mesh/visibility.h"
-#include "lapedit/session/disc_search.h"
+#include "lapedit/session/selection.h"
 
 namespace lapedit {
 

@@ -2,15 +2,15 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "lapedit/base/format_text.h"
 #include "lapedit/edit/edit.h"
 #include "lapedit/session/drag_motion.h"
 
 /// All messages of a session: the effect of the next click, reasons of refusals, and lines for a log.
-/// DragMotion::text() describes motions.
+/// DragMotion::text() describes motions. Those with % are patterns for format_text().
 namespace lapedit::messages {
 
 // The effect of the next click ----------------------------------------------------------------------------------------
@@ -34,8 +34,10 @@ constexpr const char* kPaints[] = {"Paint the region; Shift removes from it. Esc
 // Appended to the text unless the pivot is the centroid.
 constexpr const char* kTurnsAboutBoundary = " A drag turns about the shoulder (edge of the region); Shift moves.";
 constexpr const char* kTurnsAboutPoint = " A drag turns about the point picked; Shift moves.";
-std::string drag_handles(std::size_t moving, std::size_t all);
-std::string large_region(double part);  ///< begins a text
+constexpr const char* kDragHandles =
+    "Drag a handle: %zu of %zu move together, the others hold; Shift+click on a handle adds or removes it.";
+// Begins a text.
+constexpr const char* kLargeRegion = "The region has %.0f %% of its piece: turn the wheel for a smaller one. ";
 constexpr const char* kBendCurve =
     "Drag a point of the curve to bend it, the line between points to move all of it; click inside the region for "
     "another handle.";
@@ -71,17 +73,30 @@ constexpr const char* kNothingToRedo = "There is nothing to redo.";
 constexpr const char* kNoLastStep =
     "There is no last step to change: drag a handle first, and change it before something else is picked.";
 std::string steps_lost(std::size_t steps);
-std::string asymmetric(double fraction);
-std::string out_of_range(const char* what, double value, const char* wanted);
-std::string no_such_vertices(int vertices_of_mesh);
-std::string outside_region(int vertex);
-std::string no_path(int from, int to);
-std::string curve_outside_region(const std::vector<int>& outside);
-std::string not_added(int vertex);
-std::string nothing_painted(int vertex);
-std::string unconnected(const std::vector<int>& vertices);
-std::string nothing_holds(int vertices);
-std::string in_no_handle(int vertex);
+constexpr const char* kAsymmetric =
+    "The mesh is not its own mirror image: its sides differ by %.1f %% of its size or more on average. The other side "
+    "moves only where it has a vertex near the mirrored handle.";
+constexpr const char* kOutOfRange = "The %s is %g: give %s.";
+constexpr const char* kNoSuchVertices = "The mesh has %d vertices, numbered from 0: choose a region among them.";
+constexpr const char* kOutsideRegion =
+    "Vertex %d is outside the region: click inside it, brush it larger with Ctrl, or press W for a new region.";
+constexpr const char* kNoPath =
+    "No path along edges leads from vertex %d to vertex %d: click on the same piece of the surface.";
+constexpr const char* kCurveOutsideRegion =
+    "%zu vertices of the curve are outside the region, for example vertex %d: enlarge the region or click inside "
+    "it.";
+constexpr const char* kNotAdded = "Vertex %d is outside the region or in another handle: it was not added.";
+constexpr const char* kPaintedElsewhere =
+    "Vertex %d and those around it are outside the region or in another handle: brush inside the region.";
+constexpr const char* kUnconnected =
+    "%zu painted vertices, for example vertex %d, are not connected to a handle and will not move: paint the gap to "
+    "them, or press G and click there.";
+constexpr const char* kNothingHolds =
+    "Nothing holds this piece of %d vertices, so all of it would move: choose a smaller radius, press G and click "
+    "where it should hold, or give a gap to connect it to its neighbours.";
+constexpr const char* kInNoHandle =
+    "Vertex %d is in no handle: Shift-click on a handle vertex takes it away, Shift-drag brushes the region "
+    "smaller.";
 std::string single_vertex(MotionKind kind, int vertex);
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
@@ -90,12 +105,12 @@ constexpr const char* kStrokeOf[] = {"Paint: region", "Paint: handle", "Paint: f
 std::string saved_step(const EditStep& step, const std::vector<int>& moved);
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";
-std::string not_possible(const std::string& why);
+constexpr const char* kNotPossible = "not possible: %s";
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
                          double prepare_ms, double solve_ms);
 std::string step_adjusted(std::size_t number, bool is_new, int region_size, double prepare_ms, double solve_ms);
 std::string edit_applied(std::size_t steps);
-std::string loaded_step_advice(std::size_t number, const std::string& advice);  ///< of a saved edit
-std::string step_changed(std::size_t number, const char* how);                  ///< "undone", "redone"
+constexpr const char* kLoadedStepAdvice = "step %zu of the saved edit: %s";
+constexpr const char* kStepChanged = "step %zu %s";
 
 }  // namespace lapedit::messages

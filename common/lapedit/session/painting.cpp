@@ -84,7 +84,7 @@ Choice handle_brushed(const Surface& surface, const Selection& selection, const 
     taken = common(taken, after.region.vertices);
   }
   if (add && taken.empty()) {
-    return Refusal{messages::nothing_painted(patch.front())};
+    return Refusal{format_text(messages::kPaintedElsewhere, patch.front())};
   }
   group = add ? united(group, taken) : without(group, patch);
   after.discs.centers[active].clear();

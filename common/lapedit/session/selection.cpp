@@ -75,7 +75,7 @@ std::optional<Refusal> choose_region(const Surface& surface, int vertex, Selecti
     return std::nullopt;
   }
   if (!takes_region(surface, selection, vertex)) {
-    return Refusal{messages::outside_region(vertex)};
+    return Refusal{format_text(messages::kOutsideRegion, vertex)};
   }
   selection.clear_groups();
   selection = with_radius(surface, selection);
@@ -87,14 +87,14 @@ std::optional<Refusal> choose_region(const Surface& surface, int vertex, Selecti
 Choice extend_curve(const Surface& surface, const Selection& selection, int vertex) {
   std::vector<int> path = shortest_path(surface.mesh, surface.adjacency, selection.curve_end, vertex);
   if (path.empty()) {
-    return Refusal{messages::no_path(selection.curve_end, vertex)};
+    return Refusal{format_text(messages::kNoPath, selection.curve_end, vertex)};
   }
   const std::vector<int> others = selection.handles(selection.active);
   path.erase(std::remove_if(path.begin(), path.end(), [&](int v) { return contains(others, v); }), path.end());
   if (selection.region.kind != RegionSpec::Kind::Radius && surface.region) {
     const std::vector<int> outside = without(sorted_set(path), surface.region->mesh_vertex);
     if (!outside.empty()) {
-      return Refusal{messages::curve_outside_region(outside)};
+      return Refusal{format_text(messages::kCurveOutsideRegion, outside.size(), outside.front())};
     }
   }
   Selection after = selection;
@@ -274,7 +274,7 @@ Choice add_to_handle(const Surface& surface, const Selection& selection, int ver
     handle = common(handle, surface.region->mesh_vertex);
   }
   if (handle.empty()) {
-    return Refusal{messages::not_added(vertex)};
+    return Refusal{format_text(messages::kNotAdded, vertex)};
   }
   const auto active = static_cast<std::size_t>(after.active);
   after.groups[active] = united(after.groups[active], handle);
@@ -290,7 +290,7 @@ Choice take_from_handle(const Surface& surface, const Selection& selection, int 
   const auto found = std::find_if(selection.groups.begin(), selection.groups.end(),
                                   [vertex](const std::vector<int>& group) { return contains(group, vertex); });
   if (found == selection.groups.end()) {
-    return Refusal{messages::in_no_handle(vertex)};
+    return Refusal{format_text(messages::kInNoHandle, vertex)};
   }
   Selection after = selection;
   const auto group = static_cast<std::size_t>(found - selection.groups.begin());
@@ -331,9 +331,10 @@ Selection with_group_chosen(const Selection& selection, int group) {
 
 std::optional<Refusal> refuse_vertices(const Surface& surface, const std::vector<int>& vertices) {
   const int n = static_cast<int>(surface.mesh.vertices.rows());
-  return vertices.empty()                               ? std::optional(Refusal{messages::kNoRegionVertices})
-         : vertices.front() < 0 || vertices.back() >= n ? std::optional(Refusal{messages::no_such_vertices(n)})
-                                                        : std::nullopt;
+  return vertices.empty() ? std::optional(Refusal{messages::kNoRegionVertices})
+         : vertices.front() < 0 || vertices.back() >= n
+             ? std::optional(Refusal{format_text(messages::kNoSuchVertices, n)})
+             : std::nullopt;
 }
 
 Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings) {
@@ -370,11 +371,10 @@ Choice with_region(const Surface& surface, const Selection& selection, std::vect
   return after;
 }
 
-Choice whole_component(const Surface& surface, const Selection& selection) {
-  if (selection.groups.empty()) {
+Choice whole_component(const Surface& surface, Selection after) {
+  if (after.groups.empty()) {
     return Refusal{messages::kNoComponent};
   }
-  Selection after = selection;
   after.region = RegionSpec();
   after.region.kind = RegionSpec::Kind::Component;
   after.has_region = true;
@@ -393,16 +393,14 @@ Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection) {
   });
 }
 
-Selection with_radius(const Surface& surface, const Selection& selection) {
-  Selection after = selection;
-  after.region = RegionSpec();
-  after.has_region = true;
-  after.by_hand = false;
-  return with_padding(with_discs(surface, after), surface.settings);
+Selection with_radius(const Surface& surface, Selection selection) {
+  selection.region = RegionSpec();
+  selection.has_region = true;
+  selection.by_hand = false;
+  return with_padding(with_discs(surface, std::move(selection)), surface.settings);
 }
 
-Selection with_discs(const Surface& surface, const Selection& selection) {
-  Selection after = selection;
+Selection with_discs(const Surface& surface, Selection after) {
   std::vector<int> others;
   for (std::size_t g = 0; g < after.groups.size(); ++g) {
     std::vector<int> grown;
@@ -422,14 +420,18 @@ Selection with_discs(const Surface& surface, const Selection& selection) {
   return after;
 }
 
-Selection with_padding(Selection selection, const DragSettings& settings) {
-  if (selection.region.padding != settings.padding) {
-    selection.region.anchors = KeptAnchors();
+void set_options(RegionSpec& region, const DragSettings& settings) {
+  if (region.padding != settings.padding) {
+    region.anchors = KeptAnchors();
   }
-  selection.region.padding = settings.padding;
-  selection.region.connect_gap = settings.connect_gap;
+  region.padding = settings.padding;
+  region.connect_gap = settings.connect_gap;
+  region.pieces = settings.pieces;
+}
+
+Selection with_padding(Selection selection, const DragSettings& settings) {
+  set_options(selection.region, settings);
   selection.region.tips = selection.region.kind == RegionSpec::Kind::Radius;
-  selection.region.pieces = settings.pieces;
   selection.region.held = selection.held;
   return selection;
 }
@@ -472,26 +474,18 @@ Selection only_painted(const Selection& selection, const DragSettings& settings)
 
 // --- What the next click does ---------------------------------------------------------------------------------------
 
-Selection with_mode(const Selection& selection, HandleMode mode) {
-  Selection after = selection;
-  after.mode = mode;
-  after.curve_end = -1;
-  return after;
+Selection with_mode(Selection selection, HandleMode mode) {
+  selection.mode = mode;
+  selection.curve_end = -1;
+  return selection;
 }
 
-Selection with_next_region(const Selection& selection) {
-  Selection after = selection;
-  after.next = Next::Region;
-  return after;
-}
-
-Choice with_next_group(const Selection& selection) {
-  if (selection.groups.empty()) {
+Choice with_next(Selection selection, Next next) {
+  if (next == Next::Group && selection.groups.empty()) {
     return Refusal{messages::kNoHandle};
   }
-  Selection after = selection;
-  after.next = Next::Group;
-  return after;
+  selection.next = next;
+  return selection;
 }
 
 Selection selection_of(const EditStep& step, const std::vector<int>& moved, const Selection& before,

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lapedit/edit/edit.h"
-#include "lapedit/session/disc_search.h"
+#include "lapedit/mesh/geodesic.h"
 #include "lapedit/session/drag_settings.h"
 
 namespace lapedit {
@@ -73,6 +73,30 @@ struct Refusal {
 /// The selection after a choice, or the reason of a refusal.
 using Choice = std::variant<Selection, Refusal>;
 
+/// Distances from the middles of discs. Keeps the last search, since several functions need the same disc.
+class DiscSearch {
+ public:
+  /// Mesh and adjacency must outlive the object.
+  DiscSearch(const TriangleMesh& mesh, const Adjacency& adjacency) : search_({mesh, adjacency}) {}
+
+  /// Runs a search as GeodesicSearch::run() does, unless the last one was the same.
+  const std::vector<int>& run(const std::vector<int>& centers, double radius) {
+    if (reached_ == nullptr || centers != centers_ || radius != radius_) {
+      reached_ = &search_.run(centers, radius);
+      centers_ = centers;
+      radius_ = radius;
+    }
+    return *reached_;
+  }
+  double distance(int vertex) const { return search_.distance(vertex); }
+
+ private:
+  GeodesicSearch search_;
+  std::vector<int> centers_;
+  double radius_ = 0;
+  const std::vector<int>* reached_ = nullptr;
+};
+
 /// The context of a choice.
 struct Surface {
   const TriangleMesh& mesh;
@@ -106,17 +130,19 @@ std::optional<Refusal> refuse_vertices(const Surface& surface, const std::vector
 Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings);
 /// Makes these vertices the region, in any order; removes handle vertices outside it.
 Choice with_region(const Surface& surface, const Selection& selection, std::vector<int> vertices);
-Choice whole_component(const Surface& surface, const Selection& selection);
+Choice whole_component(const Surface& surface, Selection selection);
 Choice grown_by_a_ring(const Surface& surface, const Selection& selection);
 Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection);
 /// Computes the data of discs once their groups are known: their actual radius (smaller on a coarse mesh), the start of
 /// the region's radius, and weights.
 void follow_discs(const Surface& surface, Selection& selection);
 /// Grows region and discs by the radius of the settings.
-Selection with_radius(const Surface& surface, const Selection& selection);
+Selection with_radius(const Surface& surface, Selection selection);
 /// Gives discs the size of the settings; a region by radius is still measured from their centres.
-Selection with_discs(const Surface& surface, const Selection& selection);
-/// Applies padding and gap of the settings. Another padding discards kept anchors.
+Selection with_discs(const Surface& surface, Selection selection);
+/// Applies those settings that a region has, too. Another padding discards kept anchors.
+void set_options(RegionSpec& region, const DragSettings& settings);
+/// Applies them, and the fixed vertices, to the selection's region.
 Selection with_padding(Selection selection, const DragSettings& settings);
 /// Returns the region for other handles: as shown, with its anchors, except anchors next to the handle with nearly no
 /// weight, which are found again for the next handle.
@@ -128,9 +154,8 @@ Selection only_painted(const Selection& selection, const DragSettings& settings)
 
 // What the next click does -------------------------------------------------------------------------------------------
 
-Selection with_mode(const Selection& selection, HandleMode mode);
-Selection with_next_region(const Selection& selection);
-Choice with_next_group(const Selection& selection);
+Selection with_mode(Selection selection, HandleMode mode);
+Choice with_next(Selection selection, Selection::Next next);
 
 /// Returns the mean of the anchors at the region's boundary on the piece of a group: the shoulder of an arm. The
 /// group's centroid without anchors. O(region).

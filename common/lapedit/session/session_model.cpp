@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/session_model.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "lapedit/mesh/region.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_set.h"
-#include "lapedit/session/picking.h"
 
 namespace lapedit {
 namespace {
@@ -28,6 +29,47 @@ PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, con
 }
 
 }  // namespace
+
+// --- The shown region ------------------------------------------------------------------------------------------------
+
+void ShownRegion::show(std::shared_ptr<const Region> region, const TriangleMesh& mesh, double part_of_piece) {
+  region_ = std::move(region);
+  part_of_piece_ = part_of_piece;
+  std::fill(std::begin(counts_), std::end(counts_), 0);
+  held_by_nothing_ = 0;
+  if (region_) {
+    pose_ = gather(mesh.vertices, region_->mesh_vertex);
+    for (const VertexClass c : region_->classes) {
+      ++counts_[static_cast<int>(c)];
+    }
+    held_by_nothing_ = lapedit::held_by_nothing(*region_);
+  }
+  away_ = false;
+  ++serial_;
+  ++region_serial_;
+}
+
+void ShownRegion::pose(Points& positions) {
+  pose_.swap(positions);
+  away_ = true;
+  ++serial_;
+}
+
+void ShownRegion::settle() {
+  away_ = false;
+  ++serial_;
+}
+
+bool ShownRegion::rest(const TriangleMesh& mesh) {
+  if (!away_ || !region_) {
+    return false;
+  }
+  pose_ = gather(mesh.vertices, region_->mesh_vertex);
+  settle();
+  return true;
+}
+
+// --- The session -----------------------------------------------------------------------------------------------------
 
 SessionModel::SessionModel(TriangleMesh mesh, StoredScalar stored, const SessionCallbacks& callbacks)
     : scalar(stored),

@@ -5,16 +5,16 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lapedit/edit/mirror.h"
+#include "lapedit/mesh/region.h"
 #include "lapedit/session/gizmo.h"
 #include "lapedit/session/history.h"
 #include "lapedit/session/hover.h"
 #include "lapedit/session/painting.h"
-#include "lapedit/session/shown_region.h"
 #include "lapedit/session/snap.h"
-#include "lapedit/session/timeline.h"
 
 namespace lapedit {
 
@@ -62,6 +62,84 @@ struct ToolState : Tools {
 
   BrushTarget brush() const { return paint.value_or(BrushTarget::Region); }
   bool awaits_pivot() const { return pivot == Pivot::Point && pivot_vertex < 0; }
+};
+
+/// One action that undo() reverses: a step of the history, or a stroke of the brush.
+struct Action {
+  std::string name;  ///< for a list
+  bool is_step;
+  Selection before;
+  Selection after = {};  ///< of a stroke: set when it is undone
+};
+
+/// All actions in their order.
+class Timeline {
+ public:
+  const std::vector<Action>& done() const { return done_; }      ///< the oldest first
+  const std::vector<Action>& undone() const { return undone_; }  ///< the last one is the next to redo
+  /// Adds an action and deletes the undone ones.
+  void add(Action action) {
+    done_.push_back(std::move(action));
+    change_last();
+  }
+  /// Returns the last action to be changed. There has to be one. Deletes the undone actions, since they followed its
+  /// former state.
+  Action& change_last() {
+    undone_.clear();
+    ++serial_;
+    return done_.back();
+  }
+  /// Moves the last action of one list, which must not be empty, to the other. @return it
+  Action& undo() { return move_last(done_, undone_); }
+  Action& redo() { return move_last(undone_, done_); }
+  int serial() const { return serial_; }  ///< counts the changes of both lists
+
+ private:
+  Action& move_last(std::vector<Action>& from, std::vector<Action>& to) {
+    to.push_back(std::move(from.back()));
+    from.pop_back();
+    ++serial_;
+    return to.back();
+  }
+
+  std::vector<Action> done_, undone_;
+  int serial_ = 0;
+};
+
+/// The shown region and its pose.
+class ShownRegion {
+ public:
+  /// Shows a region as it is in the mesh; null: none. @param part_of_piece  HoverSearch::part_of_piece(); 0: unknown
+  void show(std::shared_ptr<const Region> region, const TriangleMesh& mesh, double part_of_piece = 0);
+  /// Stores a region that is shown together with its first pose; until then the old one stays.
+  void await(std::shared_ptr<const Region> region) { awaited_ = std::move(region); }
+  std::shared_ptr<const Region> take_awaited() { return std::move(awaited_); }
+  /// Shows a pose that differs from the mesh, swapping it with the old one. Allocates nothing.
+  void pose(Points& positions);
+  /// Records that the shown pose has become the mesh.
+  void settle();
+  /// Shows the mesh again. @return whether the pose was another one
+  bool rest(const TriangleMesh& mesh);
+
+  const std::shared_ptr<const Region>& region() const { return region_; }
+  const Points& pose() const { return pose_; }  ///< one row per vertex of the region
+  int serial() const { return serial_; }        ///< counts the changes of region() and pose()
+  int region_serial() const { return region_serial_; }
+  /// Returns the number of vertices of a class, 0 without a region.
+  int count(VertexClass c) const { return counts_[static_cast<int>(c)]; }
+  /// Returns the number of vertices in pieces that a single handle would move rigidly, since nothing else holds them.
+  int held_by_nothing() const { return held_by_nothing_; }
+  double part_of_piece() const { return part_of_piece_; }
+  bool away() const { return away_; }  ///< the pose differs from the mesh
+
+ private:
+  std::shared_ptr<const Region> region_, awaited_;
+  Points pose_;
+  int counts_[4] = {};
+  int held_by_nothing_ = 0;
+  double part_of_piece_ = 0;
+  int serial_ = 0, region_serial_ = 0;
+  bool away_ = false;
 };
 
 /// The state of a session: the mesh with its steps, selection and switches, and what is shown of it.

@@ -8,11 +8,36 @@
 #include "lapedit/base/error.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
-#include "lapedit/session/picking.h"
 
 namespace lapedit {
 
 using namespace phase;
+
+namespace {
+
+/// A press this near to a handle vertex grabs its group.
+constexpr double kGrabPixels = 6;
+
+double pixels_away(const Cursor& cursor, const Vector3& position) {
+  return (cursor.view.pixel(position) - cursor.pixel).norm();
+}
+
+/// Returns the point of a bendable curve that a press at the cursor moves, -1 if there is none.
+int curve_point_at(const TriangleMesh& mesh, const HandleCurve& curve, const Cursor& cursor) {
+  int found = -1;
+  double nearest = kGrabPixels;
+  for (std::size_t k = 0; curve.bends() && k < curve.points.size(); ++k) {
+    const Vector3 position = mesh.vertices.row(curve.path[curve.points[k]]).transpose();
+    const double pixels = cursor.view.in_front(position) ? pixels_away(cursor, position) : kGrabPixels;
+    if (pixels < nearest) {
+      nearest = pixels;
+      found = static_cast<int>(k);
+    }
+  }
+  return found;
+}
+
+}  // namespace
 
 bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
   if (!cursor.view.valid()) {
@@ -60,7 +85,7 @@ std::optional<SurfaceHit> SessionMouse::hit(const Cursor& cursor) {
 void SessionMouse::poll() {
   if (const std::string error = model_.background.poll(); !error.empty()) {
     drop_waiting();
-    model_.log(messages::not_possible(error));
+    model_.log(format_text(messages::kNotPossible, error.c_str()));
     model_.refusal = error;
   }
   if (!solver_.waits() && !searching() && !waiting_.empty()) {
@@ -79,6 +104,30 @@ bool SessionMouse::wait() {
   model_.background.wait();
   poll();  // may request other outlines than those that were found
   return !was_ready || !ready();
+}
+
+/// Returns the handle group whose mark is under the cursor, -1 if there is none. Marks show through the surface, so a
+/// mark slightly behind it can be picked, but not one on the far side. @param hit  of the surface at the cursor
+int SessionMouse::group_at(const std::optional<SurfaceHit>& hit, const Cursor& cursor) const {
+  const std::vector<std::vector<int>>& groups = model_.groups();
+  int found = -1;
+  double nearest = kGrabPixels;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (const int v : groups[g]) {
+      const Vector3 position = model_.mesh().vertices.row(v).transpose();
+      if (!cursor.view.in_front(position)) {
+        continue;
+      }
+      const double pixels = pixels_away(cursor, position);
+      const double behind = hit ? (position - hit->point).norm() : 0;
+      const double reach = std::max(model_.settings.radius, kGrabPixels * cursor.view.pixel_size(position));
+      if ((pixels <= nearest && behind <= reach) || (hit && v == hit->vertex)) {
+        nearest = pixels;
+        found = static_cast<int>(g);
+      }
+    }
+  }
+  return found;
 }
 
 /// Returns whether a press on a group grabs it: without modifiers, or with Shift to choose among several groups or to
@@ -105,8 +154,7 @@ bool SessionMouse::press_beneath(const Cursor& cursor, PressModifiers modifiers)
     }
     return hit.has_value();
   }
-  const int grabbed =
-      grabs(modifiers) ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius) : -1;
+  const int grabbed = grabs(modifiers) ? group_at(hit, cursor) : -1;
   if (grabbed >= 0) {
     if (modifiers.none()) {
       model_.selection = with_grabbed(model_.selection, grabbed);
@@ -204,9 +252,8 @@ void SessionMouse::leave() {
 std::optional<Vector3> SessionMouse::surface_at(const Cursor& cursor, PressModifiers modifiers) {
   const std::optional<SurfaceHit> hit = solver_.in_progress() ? std::nullopt : this->hit(cursor);
   modifiers.add |= model_.tools.paint && modifiers.none();
-  const bool on_mark =
-      element_at(model_.gizmo(cursor.view), cursor) != GizmoElement::None ||
-      (grabs(modifiers) && group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius) >= 0);
+  const bool on_mark = element_at(model_.gizmo(cursor.view), cursor) != GizmoElement::None ||
+                       (grabs(modifiers) && group_at(hit, cursor) >= 0);
   return hit && !on_mark ? std::optional(hit->point) : std::nullopt;
 }
 
@@ -261,7 +308,7 @@ GizmoElement SessionMouse::element_at(const std::optional<Gizmo>& gizmo, const C
   if (element == GizmoElement::None || model_.groups().size() == 1) {
     return element;
   }
-  const int group = group_at(model_.mesh(), model_.groups(), hit(cursor), cursor, model_.settings.radius);
+  const int group = group_at(hit(cursor), cursor);
   return group < 0 || group == model_.selection.active ? element : GizmoElement::None;
 }
 
@@ -323,7 +370,7 @@ void SessionMouse::look(const Cursor& cursor, PressModifiers modifiers) {
   using Kind = HoverPreview::Kind;
   HoverPreview& preview = preview_ ? *preview_ : preview_.emplace();
   modifiers.add |= model_.tools.paint && modifiers.none();
-  preview.group = grabs(modifiers) ? group_at(model_.mesh(), model_.groups(), hit, cursor, model_.settings.radius) : -1;
+  preview.group = grabs(modifiers) ? group_at(hit, cursor) : -1;
   preview.kind = preview.group >= 0                                               ? Kind::Group
                  : !modifiers.none()                                              ? Kind::Brush
                  : takes_region(solver_.surface(), model_.selection, hit->vertex) ? Kind::Region

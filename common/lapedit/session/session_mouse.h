@@ -89,6 +89,7 @@ class SessionMouse {
   HoverQuery query(const SurfaceHit& hit, const Camera& view, bool with_region) const;
   void look(const Cursor& cursor, PressModifiers modifiers);
   void take_outlines();
+  int group_at(const std::optional<SurfaceHit>& hit, const Cursor& cursor) const;
   bool grabs(PressModifiers modifiers) const;
   bool turns() const;
   void preview_curve(HoverSearch& search, const SurfaceHit& hit, const Cursor& cursor, HoverPreview& preview);

@@ -7,13 +7,79 @@
 #include "lapedit/base/error.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "lapedit/mesh/vertex_set.h"
-#include "lapedit/session/curve_bend.h"
 #include "lapedit/session/messages.h"
-#include "lapedit/session/picking.h"
 
 namespace lapedit {
 
 using namespace phase;
+
+namespace {
+
+/// Returns the weight of a point's displacement at a fraction of the path from its neighbour to the point.
+/// @param free_point, free_neighbour  whether the point, or its neighbour, is an end of the curve
+double rise(double fraction, bool free_point, bool free_neighbour) {
+  if (free_point && free_neighbour) {
+    return fraction;
+  }
+  return free_point       ? fraction * fraction
+         : free_neighbour ? 1 - (1 - fraction) * (1 - fraction)
+                          : fraction * fraction * (3 - 2 * fraction);
+}
+
+/// Returns the weight of each handle vertex in the displacement of one point of a curve: 1 at the point, 0 from the
+/// next points on, smooth along the curve. Towards an end the curve swings freely; between points it keeps its
+/// direction at them. Equal displacements of all points translate the curve.
+/// @param group  the handle's vertices, ascending. @param point  number among curve.points
+std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int>& group, const HandleCurve& curve,
+                                 int point) {
+  const std::vector<int>& path = curve.path;
+  std::vector<double> length(path.size(), 0);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    length[i] = length[i - 1] + (position_of(mesh.vertices, path[i]) - position_of(mesh.vertices, path[i - 1])).norm();
+  }
+  const bool closed = path.front() == path.back();
+  const int last = static_cast<int>(curve.points.size()) - 1;
+  const auto is_free = [&](int k) { return !closed && (k == 0 || k == last); };
+  std::vector<double> weights(group.size(), 0);
+  const auto spread = [&](int k) {
+    for (const int neighbour : {k - 1, k + 1}) {
+      if (neighbour < 0 || neighbour > last) {
+        continue;
+      }
+      const double to = length[curve.points[k]], from = length[curve.points[neighbour]];
+      for (int i = std::min(curve.points[k], curve.points[neighbour]);
+           i <= std::max(curve.points[k], curve.points[neighbour]); ++i) {
+        const double fraction = to != from ? (length[i] - from) / (to - from) : i == curve.points[k] ? 1 : 0;
+        if (const int at = index_in(group, path[i]); at >= 0) {
+          weights[at] = std::max(weights[at], rise(fraction, is_free(k), is_free(neighbour)));
+        }
+      }
+    }
+  };
+  spread(point);
+  if (closed && (point == 0 || point == last)) {
+    spread(last - point);
+  }
+  return weights;
+}
+
+/// Returns the point of a curve near the mirror image of another point, -1 if there is none.
+int mirrored_point(const TriangleMesh& mesh, const HandleCurve& curve, int point, const Affine& mirror) {
+  constexpr double kOfWay = 0.25;  // of the distance from the point to its image
+  const Vector3 position = position_of(mesh.vertices, curve.path[curve.points[point]]), image = mirror * position;
+  double nearest = kOfWay * (image - position).norm();
+  int found = -1;
+  for (int k = 0; k < static_cast<int>(curve.points.size()); ++k) {
+    const double distance = (position_of(mesh.vertices, curve.path[curve.points[k]]) - image).norm();
+    if (k != point && distance < nearest) {
+      nearest = distance;
+      found = k;
+    }
+  }
+  return found;
+}
+
+}  // namespace
 
 SessionSolver::SessionSolver(SessionModel& model, std::function<void()> wake)
     : model_(model), worker_(std::move(wake)) {}
@@ -79,7 +145,7 @@ void SessionSolver::request_preparation(PrepareTask task) {
 }
 
 void SessionSolver::prepare() {
-  figures_.preview_ms = figures_.prepare_ms = std::nullopt;
+  figures_.prepare_ms = std::nullopt;
   ToolState& tools = model_.tools;
   tools.mirrored.reset();
   const Selection& selection = model_.selection;
@@ -290,12 +356,7 @@ void SessionSolver::adjust(bool open) {
   const DragSettings& settings = model_.settings;
   EditStep& step = in<Adjusting>()->step;
   step.settings = settings.edit;
-  if (step.region.padding != settings.padding) {
-    step.region.anchors = KeptAnchors();
-  }
-  step.region.padding = settings.padding;
-  step.region.connect_gap = settings.connect_gap;
-  step.region.pieces = settings.pieces;
+  set_options(step.region, settings);
   if (step.region.kind == RegionSpec::Kind::Radius) {
     step.region.radius =
         std::max(settings.radius - model_.selection.discs.reach, (1 - kLargestHandleFraction) * settings.radius);
@@ -442,7 +503,7 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
   model_.log(messages::edit_applied(results.size()));
   for (std::size_t k = 0; k < results.size(); ++k) {
     if (const std::string advice = results[k].reports.front().advice(); !advice.empty()) {
-      model_.log(messages::loaded_step_advice(k + 1, advice));
+      model_.log(format_text(messages::kLoadedStepAdvice, k + 1, advice.c_str()));
     }
   }
   model_.tools.mirror = model_.history.steps().back().step.mirror;
@@ -462,7 +523,7 @@ void SessionSolver::progress() {
 
 void SessionSolver::on_error(const std::string& sentence) {
   preparation_ = {};
-  model_.log(messages::not_possible(sentence));
+  model_.log(format_text(messages::kNotPossible, sentence.c_str()));
   if (in_progress()) {
     discard();
   }
@@ -536,7 +597,6 @@ SessionSolver::Response SessionSolver::poll() {
   }
   if (update.preview) {
     preparation_.has_preview = true;
-    figures_.preview_ms = update.preview_ms;
   }
   if (update.ready) {
     preparation_ = Preparation();
@@ -562,7 +622,7 @@ SessionSolver::Response SessionSolver::poll() {
   }
   if (!update.pose_error.empty()) {
     if (waits()) {
-      model_.log(messages::not_possible(update.pose_error));
+      model_.log(format_text(messages::kNotPossible, update.pose_error.c_str()));
       discard();
     }
     model_.refusal = update.pose_error;

@@ -77,7 +77,6 @@ struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
   int pieces = 0;  ///< number of small pieces that move with the region
   // Empty while the region is being prepared, or before it has a pose.
-  std::optional<double> preview_ms;  ///< until frames were available
   std::optional<double> prepare_ms;
   std::optional<double> solve_ms;         ///< of the last pose
   std::optional<double> handle_error;     ///< largest distance of a handle vertex from its target, of the last report

@@ -1,33 +1,58 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <QObject>
-#include <utility>
+// GLEW has to precede all headers that include GL/gl.h.
+#include <GL/glew.h>
 
-#include "lapedit_host/tool/host_tool.h"
+#include <common/interfaces.h>
+
+#include <QObject>
+#include <string>
 
 // For the plugin's Q_PLUGIN_METADATA and Q_INTERFACES.
 #define LAPEDIT_EDIT_IID MESH_EDIT_INTERFACE_FACTORY_IID
 #define LAPEDIT_EDIT_INTERFACE MeshEditInterfaceFactory
 
+/// What declarations of MeshLab 2020.09 that concern tools have in common with later versions.
 namespace lapedit::host {
 
-/// Presents a tool to MeshLab 2020.09.
-class EditToolPlugin : public QObject, public MeshEditInterfaceFactory {
+/// Ignores the layer that MeshLab passes by reference even if there is none; HostView returns the current layer.
+class HostTool : public MeshEditInterface {
  public:
-  QList<QAction*> actions() const override { return {action_}; }
-  MeshEditInterface* getMeshEditInterface(QAction* action) override {
-    return action == action_ ? makeHostTool(description_) : nullptr;
+  bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final { return start(area, shared); }
+  void EndEdit(MeshDocument&, GLArea*, MLSceneGLSharedDataContext*) final { end(); }
+  void LayerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
+    changeLayer(area, shared);
   }
-  QString getEditToolDescription(QAction*) override { return description_.description; }
+  void Decorate(MeshModel&, GLArea*, QPainter*) final { draw(); }
 
  protected:
-  explicit EditToolPlugin(EditToolAction description)
-      : description_(std::move(description)), action_(makeAction(description_, this)) {}
+  virtual bool start(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
+  virtual void end() = 0;
+  virtual void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
+  virtual void draw() = 0;
+};
+
+/// A plugin with one tool, named by its action and described by the action's "What's this".
+class HostToolPlugin : public QObject, public MeshEditInterfaceFactory {
+ public:
+  QList<QAction*> actions() const override { return {action_}; }
+  MeshEditInterface* getMeshEditInterface(QAction*) override { return newTool(); }
+  QString getEditToolDescription(QAction*) override { return action_->whatsThis(); }
+
+ protected:
+  explicit HostToolPlugin(QAction* action) : action_(action) { action->setParent(this); }
+  virtual HostTool* newTool() = 0;  ///< for one view
 
  private:
-  EditToolAction description_;
   QAction* action_;
 };
+
+inline void write_log(MeshDocument& document, const std::string& line) {
+  document.Log.Log(GLLogStream::FILTER, line);
+}
+inline FilterScript* history_of(MeshDocument& document) {
+  return document.filterHistory;
+}
 
 }  // namespace lapedit::host

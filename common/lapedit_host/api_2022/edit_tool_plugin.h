@@ -1,38 +1,67 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// GLEW has to precede all headers that include GL/gl.h.
+#include <GL/glew.h>
+
+#include <common/plugins/interfaces/edit_plugin.h>
+
 #include <QObject>
 #include <string>
 #include <utility>
-
-#include "lapedit_host/tool/host_tool.h"
 
 // For the plugin's Q_PLUGIN_METADATA and Q_INTERFACES.
 #define LAPEDIT_EDIT_IID EDIT_PLUGIN_IID
 #define LAPEDIT_EDIT_INTERFACE EditPlugin
 
+/// What declarations of MeshLab since 2021 that concern tools have in common with earlier versions.
 namespace lapedit::host {
 
-/// Presents a tool to MeshLab from 2021 on.
-class EditToolPlugin : public QObject, public EditPlugin {
+/// Ignores the layer that MeshLab passes by reference even if there is none; HostView returns the current layer.
+class HostTool : public EditTool {
+ public:
+  using EditTool::decorate;
+  using EditTool::endEdit;
+  using EditTool::startEdit;
+
+  bool startEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final { return start(area, shared); }
+  void endEdit(MeshDocument&, GLArea*, MLSceneGLSharedDataContext*) final { end(); }
+  void layerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
+    changeLayer(area, shared);
+  }
+  void decorate(MeshModel&, GLArea*, QPainter*) final { draw(); }
+
+ protected:
+  virtual bool start(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
+  virtual void end() = 0;
+  virtual void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
+  virtual void draw() = 0;
+};
+
+/// A plugin with one tool, named by its action and described by the action's "What's this".
+class HostToolPlugin : public QObject, public EditPlugin {
  public:
   std::pair<std::string, bool> getMLVersion() const override {
     return {meshlab::meshlabVersion(), meshlab::builtWithDoublePrecision()};
   }
-  QString pluginName() const override { return description_.title; }
+  QString pluginName() const override { return actionList.front()->text(); }
   QString vendor() const override { return "Laplacian editing for MeshLab"; }
-  ::EditTool* getEditTool(const QAction* action) override {
-    return action == actionList.front() ? makeHostTool(description_) : nullptr;
-  }
-  QString getEditToolDescription(const QAction*) override { return description_.description; }
+  EditTool* getEditTool(const QAction*) override { return newTool(); }
+  QString getEditToolDescription(const QAction* action) override { return action->whatsThis(); }
 
  protected:
-  explicit EditToolPlugin(EditToolAction description) : description_(std::move(description)) {
-    actionList.push_back(makeAction(description_, this));
+  explicit HostToolPlugin(QAction* action) {
+    action->setParent(this);
+    actionList.push_back(action);
   }
-
- private:
-  EditToolAction description_;
+  virtual HostTool* newTool() = 0;  ///< for one view
 };
+
+inline void write_log(MeshDocument& document, const std::string& line) {
+  document.Log.log(GLLogStream::FILTER, line);
+}
+inline FilterScript* history_of(MeshDocument& document) {
+  return &document.filterHistory;
+}
 
 }  // namespace lapedit::host

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit_host/tool/host_view.h"
+
+#include <meshlab/glarea.h>
+
+#include <QApplication>
+#include <QMainWindow>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "edit_tool_plugin.h"
+
+namespace lapedit::host {
+
+namespace {
+
+const char* const kReplay = "Laplacian Edit Replay";
+
+}  // namespace
+
+// Uses only inline functions of GLArea, since the application exports no others.
+
+QWidget& HostView::viewport() {
+  return *area_;
+}
+
+QMainWindow* HostView::mainWindow() {
+  return qobject_cast<QMainWindow*>(area_->window());
+}
+
+bool HostView::suspended() {
+  return area_->suspendedEditor;
+}
+
+bool HostView::loading() {
+  return area_->md() != nullptr && area_->md()->isBusy();
+}
+
+QObject* HostView::document() {
+  return area_->md();
+}
+
+std::optional<Layer> HostView::currentLayer() {
+  return area_->mm() ? seen(*area_->mm()) : std::nullopt;
+}
+
+std::optional<Layer> HostView::layer(int id) {
+  MeshModel* model = find(id);
+  return model ? seen(*model) : std::nullopt;
+}
+
+std::vector<Layer> HostView::layers() {
+  std::vector<Layer> list;
+  for (const auto id : area_->meshVisibilityMap.keys()) {
+    if (const auto found = layer(static_cast<int>(id))) {
+      list.push_back(*found);
+    }
+  }
+  return list;
+}
+
+void HostView::setCurrentLayer(int id) {
+  QMetaObject::invokeMethod(
+      area_,
+      [this, id] {
+        if (area_->md() != nullptr && find(id) != nullptr) {
+          area_->md()->setCurrentMesh(id);
+        }
+      },
+      Qt::QueuedConnection);
+}
+
+void HostView::uploadGeometry(int layer) {
+  if (shared_ == nullptr || find(layer) == nullptr) {
+    return;
+  }
+  MLRenderingData::RendAtts attributes;
+  attributes[MLRenderingData::ATT_NAMES::ATT_VERTPOSITION] = true;
+  attributes[MLRenderingData::ATT_NAMES::ATT_VERTNORMAL] = true;
+  attributes[MLRenderingData::ATT_NAMES::ATT_FACENORMAL] = true;
+  shared_->meshAttributesUpdated(layer, false, attributes);
+  shared_->manageBuffers(layer);
+}
+
+void HostView::markModified(int layer) {
+  if (MeshModel* model = find(layer)) {
+    model->setMeshModified();
+  }
+}
+
+void HostView::repaint() {
+  area_->updateAllSiblingsGLAreas();
+}
+
+double HostView::depthAt(const QPointF& pixel, int around) {
+  const qreal ratio = area_->devicePixelRatioF();
+  const int side = 2 * around + 1;
+  std::vector<GLfloat> depths(static_cast<std::size_t>(side) * side, 0);
+  area_->makeCurrent();
+  glReadPixels(static_cast<GLint>(pixel.x() * ratio) - around,
+               static_cast<GLint>((area_->height() - pixel.y()) * ratio) - 1 - around, side, side, GL_DEPTH_COMPONENT,
+               GL_FLOAT, depths.data());
+  return static_cast<double>(*std::max_element(depths.begin(), depths.end()));
+}
+
+void HostView::log(const std::string& line) {
+  if (area_ != nullptr && area_->md() != nullptr) {
+    write_log(*area_->md(), title_.toStdString() + ": " + line);
+  }
+}
+
+void HostView::navigate(const QMouseEvent& event, Qt::MouseButton as) {
+  const Qt::MouseButtons held = event.buttons() == Qt::NoButton ? Qt::MouseButtons() : Qt::MouseButtons(as);
+  // A double click would center the view.
+  const QEvent::Type type = event.type() == QEvent::MouseButtonDblClick ? QEvent::MouseButtonPress : event.type();
+  QMouseEvent copy(type, event.localPos(), event.windowPos(), event.screenPos(),
+                   type == QEvent::MouseMove ? Qt::NoButton : as, held, Qt::NoModifier);
+  pass(copy);
+}
+
+void HostView::navigate(const QWheelEvent& event) {
+  // Qt makes the wheel horizontal while Alt is held.
+  QPoint angle = event.angleDelta();
+  if (angle.y() == 0) {
+    angle = QPoint(0, angle.x());
+  }
+  QWheelEvent copy(event.position(), event.globalPosition(), QPoint(), angle, event.buttons(), Qt::NoModifier,
+                   Qt::NoScrollPhase, false);
+  pass(copy);
+}
+
+void HostView::turnTo(const Eigen::Vector3d& direction) {
+  vcg::Quaternionf& rotation = area_->trackball.track.rot;
+  const Eigen::Vector3f given = direction.normalized().cast<float>();
+  const vcg::Point3f viewer(0, 0, 1), seen = rotation.Rotate(vcg::Point3f(given.x(), given.y(), given.z()));
+  const vcg::Point3f across = seen ^ viewer;
+  if (given.allFinite()) {
+    const vcg::Point3f axis = across.Norm() > 0 ? across : vcg::Point3f(0, 1, 0);
+    rotation = vcg::Quaternionf(std::atan2(across.Norm(), seen * viewer), axis) * rotation;
+  }
+}
+
+void HostView::endTool() {
+  QMetaObject::invokeMethod(area_, "endEdit", Qt::QueuedConnection);
+}
+
+void HostView::addToHistory(const QString& edit, int position) {
+  if (FilterScript* history = filterHistory()) {
+    FilterNameParameterValuesPair entry;
+    entry.first = kReplay;
+    entry.second.addParam(RichString("edit", edit, "Edit", ""));
+    entry.second.addParam(RichFloat("fraction", 1, "Fraction", ""));
+    history->insert(position >= 0 && position < history->size() ? position : history->size(), entry);
+  }
+}
+
+int HostView::removeFromHistory(const QString& edit) {
+  FilterScript* history = filterHistory();
+  for (int i = history == nullptr ? -1 : history->size() - 1; i >= 0; --i) {
+    const auto& parameters = history->at(i).second;
+    if (history->at(i).filterName() == kReplay && parameters.hasParameter("edit") &&
+        parameters.getString("edit") == edit) {
+      history->removeAt(i);
+      return i;
+    }
+  }
+  return -1;
+}
+
+FilterScript* HostView::filterHistory() {
+  return area_->md() != nullptr ? history_of(*area_->md()) : nullptr;
+}
+
+MeshModel* HostView::find(int id) {
+  return area_->md() != nullptr ? area_->md()->getMesh(id) : nullptr;
+}
+
+std::optional<Layer> HostView::seen(MeshModel& model) {
+  Layer layer;
+  layer.id = model.id();
+  layer.name = model.shortName();
+  layer.file = model.fullName();
+  layer.mesh = &model.cm;
+  layer.visible = area_->meshVisibilityMap.value(model.id(), true);
+  for (int i = 0; i < 4; ++i) {
+    for (int k = 0; k < 4; ++k) {
+      layer.transform(i, k) = static_cast<double>(model.cm.Tr[i][k]);
+    }
+  }
+  return layer;
+}
+
+/// Passes the event to the view, as if the tool were suspended.
+void HostView::pass(QEvent& event) {
+  const bool before = std::exchange(area_->suspendedEditor, true);
+  QApplication::sendEvent(area_, &event);
+  area_->suspendedEditor = before;
+}
+
+}  // namespace lapedit::host
