@@ -97,6 +97,34 @@ int connected_components(const CompressedRows& neighbours, std::vector<int>& lab
   return count;
 }
 
+std::vector<int> paired_sides(int vertex_count, const Faces& faces) {
+  const auto ends_of = [&faces](int side) {
+    return std::minmax({faces(side / 3, side % 3), faces(side / 3, (side + 1) % 3)});
+  };
+  CompressedRows sides = lists_of(vertex_count, [&](const auto& use) {
+    for (int side = 0; side < static_cast<int>(faces.size()); ++side) {
+      if (const auto [low, high] = ends_of(side); low < high) {
+        use(low, side);
+      }
+    }
+  });
+  std::vector<int> partner(static_cast<std::size_t>(faces.size()), -1);
+  for (int v = 0; v < vertex_count; ++v) {
+    const auto first = sides.values.begin() + sides.offsets[v], last = sides.values.begin() + sides.offsets[v + 1];
+    const auto high = [&ends_of](int side) { return ends_of(side).second; };
+    std::sort(first, last, [&high](int a, int b) { return std::pair(high(a), a) < std::pair(high(b), b); });
+    for (auto one = first; one != last;) {
+      const auto after = std::find_if(one, last, [&](int side) { return high(side) != high(*one); });
+      if (after - one == 2) {
+        partner[one[0]] = one[1];
+        partner[one[1]] = one[0];
+      }
+      one = after;
+    }
+  }
+  return partner;
+}
+
 using Edge = std::pair<unsigned, unsigned>;
 
 std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {

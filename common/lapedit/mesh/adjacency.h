@@ -26,6 +26,10 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces);
 int connected_components(const CompressedRows& neighbours, std::vector<int>& labels,
                          const std::vector<char>& kinds = {});
 
+/// Returns for each side of a face, number 3 f + s from corner s to the next one, the other side of the same edge; -1
+/// unless the edge has exactly two sides. O(faces)
+std::vector<int> paired_sides(int vertex_count, const Faces& faces);
+
 /// Concatenated paths along edges; a closed one ends with its first vertex.
 struct Chains {
   std::vector<unsigned> vertices;
