@@ -79,6 +79,7 @@ class RegionBuilder {
   }
 
   Region build(const Weights& weights);
+  Region paint();
   /// Returns flags of the vertices whose links count: those of a given set, or those near enough to be part of a region
   /// of a radius, to be linked to its vertices, to compete for these links, or to be what competitors are linked to
   /// instead.
@@ -545,6 +546,27 @@ Region RegionBuilder::build(const Weights& weights) {
   return std::move(region_);
 }
 
+Region RegionBuilder::paint() {
+  region_.mesh_vertex = spec_.vertices;
+  local_.assign(region_.mesh_vertices, -1);
+  for (int i = 0; i < region_.size(); ++i) {
+    local_[region_.mesh_vertex[i]] = i;
+  }
+  extract_graph();
+  extract_faces();
+  for (const char is_boundary : boundary_) {
+    region_.classes.push_back(is_boundary != 0 ? VertexClass::Anchor : VertexClass::Free);
+  }
+  for (const std::vector<int>& group : groups_) {
+    for (const int v : group) {
+      if (local_[v] >= 0) {
+        region_.classes[local_[v]] = VertexClass::Handle;
+      }
+    }
+  }
+  return std::move(region_);
+}
+
 }  // namespace
 
 int Region::count(VertexClass c) const {
@@ -642,41 +664,10 @@ KeptAnchors anchors_of(const Region& region) {
 
 Region painted_region(const TriangleMesh& mesh, const Adjacency& adjacency, const std::vector<int>& vertices,
                       const std::vector<std::vector<int>>& groups) {
-  Region region;
-  region.mesh_vertex = vertices;
-  region.mesh_vertices = static_cast<int>(mesh.vertices.rows());
-  region.classes.assign(vertices.size(), VertexClass::Free);
-  std::vector<int> position(mesh.vertices.rows(), 0);  // in the region, from 1
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    position[vertices[i]] = static_cast<int>(i) + 1;
-  }
-  const auto local = [&position](int v) { return position[v] - 1; };
-  std::vector<int> corners;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    for (const int w : adjacency.neighbours[vertices[i]]) {
-      if (local(w) < 0) {
-        region.classes[i] = VertexClass::Anchor;
-      }
-    }
-    for (const int f : adjacency.faces[vertices[i]]) {
-      const int a = local(mesh.faces(f, 0));
-      const int b = local(mesh.faces(f, 1));
-      const int c = local(mesh.faces(f, 2));
-      // Each face is listed once, by its lowest corner.
-      if (a >= 0 && b >= 0 && c >= 0 && std::min({a, b, c}) == static_cast<int>(i)) {
-        corners.insert(corners.end(), {a, b, c});
-      }
-    }
-  }
-  for (const std::vector<int>& group : groups) {
-    for (const int v : group) {
-      if (local(v) >= 0) {
-        region.classes[local(v)] = VertexClass::Handle;
-      }
-    }
-  }
-  region.faces = Eigen::Map<const Faces>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-  return region;
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::Vertices;
+  spec.vertices = vertices;
+  return RegionBuilder(mesh, adjacency, spec, groups, 1).paint();
 }
 
 int held_by_nothing(const Region& region) {
