@@ -84,16 +84,12 @@ Vector3 nearest_weights(const Vector3& p, const Vector3& a, const Vector3& b, co
 
 std::vector<int> order_by_position(const Points& points) {
   constexpr double kCells = 0x1p21 - 1;
-  if (points.rows() == 0) {
-    return {};
-  }
-  // Halves of coordinates, since differences of large ones may overflow.
-  const Eigen::RowVector3d low = points.colwise().minCoeff() / 2;
-  const double step = std::max((points.colwise().maxCoeff() / 2 - low).maxCoeff(), 1e-300) / kCells;
+  const Eigen::RowVector3d low = points.colwise().minCoeff();
+  const double step = std::max((points.colwise().maxCoeff() - low).maxCoeff(), 1e-300) / kCells;
   std::vector<std::pair<std::uint64_t, int>> codes(static_cast<std::size_t>(points.rows()));
   for (int k = 0; k < points.rows(); ++k) {
     const auto along = [&](int axis) {
-      return spread(static_cast<std::uint64_t>((points(k, axis) / 2 - low[axis]) / step));
+      return spread(static_cast<std::uint64_t>((points(k, axis) - low[axis]) / step));
     };
     codes[static_cast<std::size_t>(k)] = {along(0) | along(1) << 1 | along(2) << 2, k};
   }

@@ -3,16 +3,10 @@
 
 #include <algorithm>
 
-#include "lapedit/mesh/surface_index.h"
-#include "lapedit/mesh/vertex_set.h"
-
 namespace lapedit {
 
 VertexTree::VertexTree(const Points& points, std::vector<int> vertices, const std::vector<int>* labels)
-    : points_(points), labels_(labels) {
-  for (const int k : order_by_position(gather(points, vertices))) {
-    vertices_.push_back(vertices[static_cast<std::size_t>(k)]);
-  }
+    : points_(points), labels_(labels), vertices_(std::move(vertices)) {
   if (!vertices_.empty()) {
     build(0, static_cast<int>(vertices_.size()));
   }
@@ -26,34 +20,39 @@ int VertexTree::nearest(const Vector3& position, double limit) const {
   return nearest(position, limit * limit, kNoLabel, any, looks, vertices_.size() + 1).vertex;
 }
 
-/// Halves the vertices along the curve, and bounds them from the leaves up.
 int VertexTree::build(int first, int last) {
   constexpr int kLeaf = 8;
   const auto number = nodes_.size();
-  const int begin = vertices_[first];
-  const Vector3 position = points_.row(begin).transpose();
-  Node node = {position, position, first, last, -1, label(begin), begin};
-  nodes_.push_back(node);
-  const auto add = [&node](const Vector3& low, const Vector3& high, int label, int lowest) {
-    node.low = node.low.cwiseMin(low);
-    node.high = node.high.cwiseMax(high);
-    node.label = label == node.label ? label : kNoLabel;
-    node.lowest = std::min(node.lowest, lowest);
-  };
-  if (last - first > kLeaf) {
-    const int middle = first + (last - first) / 2;
-    const int left = build(first, middle);
-    node.right = build(middle, last);
-    for (const int child : {left, node.right}) {
-      add(nodes_[child].low, nodes_[child].high, nodes_[child].label, nodes_[child].lowest);
-    }
-  } else {
-    for (int k = first; k < last; ++k) {
-      const int v = vertices_[k];
-      add(points_.row(v).transpose(), points_.row(v).transpose(), label(v), v);
-    }
+  Node node;
+  node.low = node.high = points_.row(vertices_[first]).transpose();
+  node.first = first;
+  node.last = last;
+  node.label = label(vertices_[first]);
+  node.lowest = vertices_[first];
+  for (int k = first; k < last; ++k) {
+    const int v = vertices_[k];
+    node.low = node.low.cwiseMin(points_.row(v).transpose());
+    node.high = node.high.cwiseMax(points_.row(v).transpose());
+    node.label = label(v) == node.label ? node.label : kNoLabel;
+    node.lowest = std::min(node.lowest, v);
   }
-  nodes_[number] = node;
+  nodes_.push_back(node);
+  if (last - first > kLeaf) {
+    Eigen::Index axis = 0;
+    (node.high - node.low).maxCoeff(&axis);
+    const auto begin = vertices_.begin() + first, end = vertices_.begin() + last;
+    // Halves of the box are found faster, and are nearly as good where they are balanced.
+    const double half = node.low[axis] / 2 + node.high[axis] / 2;
+    auto middle = std::partition(begin, end, [&](int v) { return points_(v, axis) < half; });
+    if (3 * std::min(middle - begin, end - middle) < end - begin) {
+      middle = begin + (end - begin) / 2;
+      std::nth_element(begin, middle, end,
+                       [&](int a, int b) { return std::pair(points_(a, axis), a) < std::pair(points_(b, axis), b); });
+    }
+    const int split = static_cast<int>(middle - vertices_.begin());
+    build(first, split);
+    nodes_[number].right = build(split, last);
+  }
   return static_cast<int>(number);
 }
 
