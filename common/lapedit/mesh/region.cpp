@@ -97,7 +97,6 @@ class RegionBuilder {
   void extract_faces();
   void place_anchor_band();
   void classify();
-  bool are_handles_connected() const;
   void find_components();
   void take_weights(const Weights& weights);
   template <class Body>
@@ -444,35 +443,8 @@ void RegionBuilder::take_weights(const Weights& weights) {
   }
 }
 
-/// Returns whether the handles' own edges connect them all. The region, which is reached from them, is connected then.
-bool RegionBuilder::are_handles_connected() const {
-  if (handles_.empty()) {
-    return false;
-  }
-  std::vector<int> found{local_[handles_[0]]};
-  if (handles_.size() > 1) {
-    std::vector<char> is_found(region_.size(), 0);
-    is_found[found[0]] = 1;
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      for (const int w : region_.neighbours[found[k]]) {
-        if (region_.group[w] >= 0 && !is_found[w]) {
-          is_found[w] = 1;
-          found.push_back(w);
-        }
-      }
-    }
-  }
-  return found.size() == handles_.size();
-}
-
 void RegionBuilder::find_components() {
-  int components = 1;
-  if (are_handles_connected()) {
-    region_.component.assign(region_.size(), 0);
-  } else {
-    components = connected_components(region_.neighbours, region_.component);
-  }
-  region_.anchored.assign(components, 0);
+  region_.anchored.assign(connected_components(region_.neighbours, region_.component), 0);
   for (int i = 0; i < region_.size(); ++i) {
     region_.anchored[region_.component[i]] |= region_.classes[i] == VertexClass::Anchor;
   }
