@@ -397,8 +397,7 @@ class Editor {
     StepOptions options;
     options.scalar = given_.scalar;
     options.solver.threads = running.threads(given_.mesh.vertices.rows());
-    adjacency_ =
-        build_adjacency(static_cast<int>(given_.mesh.vertices.rows()), given_.mesh.faces);
+    adjacency_ = build_adjacency(static_cast<int>(given_.mesh.vertices.rows()), given_.mesh.faces);
     own_ = one_step(edit);
     mesh_ = given_.mesh;
     const auto joined = joined_surface(mesh_);
