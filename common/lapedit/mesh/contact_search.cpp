@@ -59,6 +59,14 @@ Corners corners(const Contact& contact, const Points& at) {
           row(at, contact.vertices[3])};
 }
 
+/// Sets nearest points, normal and distance. @return whether the distance is not zero
+bool place(Contact& contact, const Corners& x) {
+  contact.normal = nearest(x, contact.edges, contact.weights);
+  contact.distance = contact.normal.norm();
+  contact.normal /= contact.distance > 0 ? contact.distance : 1;
+  return contact.distance > 0;
+}
+
 double volume(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
   return (b - a).cross(c - a).dot(d - a);
 }
@@ -408,10 +416,7 @@ double ContactSurface::gap_of(const Contact& contact) const {
 }
 
 bool ContactSurface::update(Contact& contact, const Points& at) {
-  contact.normal = nearest(corners(contact, at), contact.edges, contact.weights);
-  contact.distance = contact.normal.norm();
-  contact.normal /= contact.distance > 0 ? contact.distance : 1;
-  return contact.distance > 0;
+  return place(contact, corners(contact, at));
 }
 
 /// Returns the pairs of faces that cross, without those known to be exempt.
@@ -463,19 +468,19 @@ Sweep ContactSurface::sweep(const Points& from, const Points& to, ThreadPool& po
     each_feature(f, g, [&](Contact contact) {
       const Corners before = corners(contact, from);
       const double distance = nearest(before, contact.edges, contact.weights).norm();
-      double most = 0, other = 0;
+      double most = 0;
       const Corners after = corners(contact, to);
       const Vector3 with = after[0] - before[0];
       for (int k = 1; k < 4; ++k) {
         most = std::max(most, (after[k] - before[k] - with).norm());
       }
-      other = contact.edges ? most : 0;
-      if (distance - most - other >= gap_) {
+      const double nearer = distance - (contact.edges ? 2 * most : most);
+      if (nearer >= gap_) {
         return;
       }
       contact.gap = gap_of(contact);
       contact.distance = distance;
-      if (!(contact.gap > 0) || distance - most - other >= contact.gap) {
+      if (!(contact.gap > 0) || nearer >= contact.gap) {
         return;
       }
       const double safe = safe_part(contact, before, after, std::min(kLeast * contact.gap, 0.5 * distance));
@@ -484,10 +489,7 @@ Sweep ContactSurface::sweep(const Points& from, const Points& to, ThreadPool& po
       for (int k = 0; k < 4; ++k) {
         x[k] = before[k] + at * (after[k] - before[k]);
       }
-      contact.normal = nearest(x, contact.edges, contact.weights);
-      contact.distance = contact.normal.norm();
-      if (contact.distance > 0 && (safe < 1 || contact.distance < contact.gap)) {
-        contact.normal /= contact.distance;
+      if (place(contact, x) && (safe < 1 || contact.distance < contact.gap)) {
         contact.safe = safe;
         found.push_back(contact);
       }
