@@ -303,7 +303,7 @@ nb::tuple edit(const Given& given, double fraction, const nb::object& progress) 
     validate(mesh);
     SolverOptions options;
     options.threads = running.threads(mesh.vertices.rows());
-    const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, options.threads);
+    const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
     result =
         std::move(apply_edit(mesh, adjacency, edit, given.selection, {fraction}, given.scalar, {}, options).front());
     report = report_text(mesh, fraction, result.reports);
@@ -397,8 +397,7 @@ class Editor {
     StepOptions options;
     options.scalar = given_.scalar;
     options.solver.threads = running.threads(given_.mesh.vertices.rows());
-    adjacency_ =
-        build_adjacency(static_cast<int>(given_.mesh.vertices.rows()), given_.mesh.faces, options.solver.threads);
+    adjacency_ = build_adjacency(static_cast<int>(given_.mesh.vertices.rows()), given_.mesh.faces);
     own_ = one_step(edit);
     mesh_ = given_.mesh;
     const auto joined = joined_surface(mesh_);

@@ -415,29 +415,6 @@ TEST(ThreadPool, WaitingTakesNoProcessorTime) {
   EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 0.05) << "of 0.6 that it waited";
 }
 
-/// Fails if a caller that waited for nothing does so again and again, or never asks for help any more.
-TEST(ThreadPool, GoesOnAloneForAWhileWhereHelpersAreOfNoUse) {
-  ThreadPool pool(2);
-  const auto caller = std::this_thread::get_id();
-  std::atomic<int> helped{0};
-  const auto work = [&](int) {
-    if (std::this_thread::get_id() == caller) {
-      waited_for([&] { return helped > 0; });
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // a sleeper has woken by then
-    } else {
-      ++helped;
-      std::this_thread::sleep_for(std::chrono::milliseconds(40));
-    }
-  };
-  pool.each(2, work);
-  ASSERT_EQ(helped, 1);
-  for (int job = 0; job < 10; ++job) {
-    pool.each(5, work);
-  }
-  EXPECT_EQ(helped, 1);
-  EXPECT_TRUE(is_shared(pool));
-}
-
 #ifdef LAPEDIT_HAVE_NO_THREADS
 /// Fails if it ends, or waits for threads that there are not.
 TEST(ThreadPool, MakesDoWithTheThreadsThatItCanHave) {

@@ -109,13 +109,13 @@ TEST(EditReport, SurfaceTurnedAsAWholeIsNotFolded) {
 
 TEST(EditReport, ClosedSurfacesEncloseTheirVolume) {
   const TriangleMesh bar = shapes::bar(3, 4, 5);
-  EXPECT_NEAR(enclosed_volume(whole(bar), bar.vertices), 60, 1e-12);
-  EXPECT_NEAR(enclosed_volume(whole(bar), 2 * bar.vertices), 480, 1e-11);
+  EXPECT_NEAR(enclosed_volume(whole(bar), bar.vertices).volume, 60, 1e-12);
+  EXPECT_NEAR(enclosed_volume(whole(bar), 2 * bar.vertices).volume, 480, 1e-11);
   const TriangleMesh sphere = shapes::icosphere(4);
-  EXPECT_NEAR(enclosed_volume(whole(sphere), sphere.vertices), 4.0 / 3 * std::acos(-1.0), 0.02);
+  EXPECT_NEAR(enclosed_volume(whole(sphere), sphere.vertices).volume, 4.0 / 3 * std::acos(-1.0), 0.02);
   const TriangleMesh both = shapes::together(bar, bar, Vector3(100, 200, 300));
   const Region region = support::whole_region(both, {{0}, {static_cast<int>(bar.vertices.rows())}}, {});
-  EXPECT_NEAR(enclosed_volume(region, both.vertices), 120, 1e-9);
+  EXPECT_NEAR(enclosed_volume(region, both.vertices).volume, 120, 1e-9);
 }
 
 TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
@@ -125,17 +125,17 @@ TEST(EditReport, OpenSurfacesChangeTheirVolumeByWhatIsAdded) {
   after(4, 2) += 0.7;
   for (const Vector3& position : {Vector3(0, 0, 0), Vector3(1e3, -1e3, 1e3)}) {
     const Points there = mesh.vertices.rowwise() + position.transpose(), tip = after.rowwise() + position.transpose();
-    EXPECT_NEAR(enclosed_volume(region, tip) - enclosed_volume(region, there), 0.7, 1e-9);
+    EXPECT_NEAR(enclosed_volume(region, tip).volume - enclosed_volume(region, there).volume, 0.7, 1e-9);
   }
   // A dome that moves as a whole, border and all, encloses what it did.
   const Points moved = (after * rotation_by(1).transpose()).rowwise() + Vector3(10, 20, 30).transpose();
-  EXPECT_NEAR(enclosed_volume(region, moved), enclosed_volume(region, after), 1e-12);
+  EXPECT_NEAR(enclosed_volume(region, moved).volume, enclosed_volume(region, after).volume, 1e-12);
   // So do two of them that move apart.
   TriangleMesh both = shapes::together({after, mesh.faces}, {after, mesh.faces}, Vector3(9, 0, 0));
   const Region region_of_both = support::whole_region(both, {{0}, {9}}, {});
-  EXPECT_NEAR(enclosed_volume(region_of_both, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
+  EXPECT_NEAR(enclosed_volume(region_of_both, both.vertices).volume, 2 * enclosed_volume(region, after).volume, 1e-12);
   both.vertices.bottomRows(9) = moved;
-  EXPECT_NEAR(enclosed_volume(region_of_both, both.vertices), 2 * enclosed_volume(region, after), 1e-12);
+  EXPECT_NEAR(enclosed_volume(region_of_both, both.vertices).volume, 2 * enclosed_volume(region, after).volume, 1e-12);
 }
 
 TEST(AdviceOnAnEdit, NamesTheRemediesInOrder) {

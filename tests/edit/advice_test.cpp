@@ -20,7 +20,7 @@ TEST(AdviceOnVolume, ComponentsAreMeasuredOneByOne) {
   const std::vector<ComponentVolume> volumes = component_volumes(region, both.vertices);
   ASSERT_EQ(volumes.size(), 2U);
   EXPECT_NEAR(volumes[0].volume, 216, 1e-9);
-  EXPECT_NEAR(volumes[1].volume, enclosed_volume(support::whole_region(ball, {{0}}, {}), ball.vertices), 1e-9);
+  EXPECT_NEAR(volumes[1].volume, enclosed_volume(support::whole_region(ball, {{0}}, {}), ball.vertices).volume, 1e-9);
   EXPECT_TRUE(volumes[0].is_body && volumes[1].is_body);
 }
 

@@ -75,7 +75,7 @@ inline Region plain_region(const TriangleMesh& mesh, const Adjacency& adjacency,
   }
   region.faces.conservativeResize(inside, 3);
 
-  const Adjacency local_faces = build_adjacency(region.size(), region.faces, 1);
+  const Adjacency local_faces = build_adjacency(region.size(), region.faces);
   GeodesicSearch from_boundary({region.neighbours, points, region.faces, local_faces.faces});
   const double width = spec.padding * region.max_distance;
   from_boundary.run(boundary, width);
@@ -160,13 +160,11 @@ inline Adjacency plain_adjacency(const TriangleMesh& mesh) {
 inline void expect_plain_regions(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
                                  const std::vector<double>& fractions, const std::vector<double>& paddings = {0, 0.1}) {
   const Adjacency adjacency = plain_adjacency(mesh);
-  for (const int threads : {1, 2, 3}) {
-    const Adjacency built = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, threads);
-    EXPECT_TRUE(same_bits(built.neighbours.offsets, adjacency.neighbours.offsets));
-    EXPECT_TRUE(same_bits(built.neighbours.values, adjacency.neighbours.values));
-    EXPECT_TRUE(same_bits(built.faces.offsets, adjacency.faces.offsets));
-    EXPECT_TRUE(same_bits(built.faces.values, adjacency.faces.values));
-  }
+  const Adjacency built = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+  EXPECT_TRUE(same_bits(built.neighbours.offsets, adjacency.neighbours.offsets));
+  EXPECT_TRUE(same_bits(built.neighbours.values, adjacency.neighbours.values));
+  EXPECT_TRUE(same_bits(built.faces.offsets, adjacency.faces.offsets));
+  EXPECT_TRUE(same_bits(built.faces.values, adjacency.faces.values));
   std::vector<int> handles;
   for (const std::vector<int>& group : groups) {
     handles.insert(handles.end(), group.begin(), group.end());

@@ -4,7 +4,7 @@
 # recorded edits with those of this build.
 #
 # usage: run.sh WHAT BUILD RESULTS [LAYER]...
-#   WHAT      arm64: under qemu; libc++: clang with libc++; plain: LAPEDIT_PLAIN_KERNELS
+#   WHAT      arm64: under qemu; libc++: clang with libc++
 #   BUILD     this machine's build folder, with tests
 #   RESULTS   what hosts/write_results.sh made with it
 #   LAYER     whose tests run: base, mesh, linear, deform, cells, edit, live, session, json; without any: the edits only
@@ -45,11 +45,10 @@ arm64)
   emulator='qemu-aarch64-static;-L;/usr/aarch64-linux-gnu'
   ;;
 libc++) set -- -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_FLAGS=-stdlib=libc++ ;;
-plain) set -- -DLAPEDIT_PLAIN_KERNELS=ON ;;
 *) echo "run.sh: $what is unknown." >&2 && exit 2 ;;
 esac
 # Coordinates hardly depend on it, and compiling takes most of the time.
-[ "$what" = plain ] || set -- "$@" '-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG'
+set -- "$@" '-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG'
 [ -z "$emulator" ] || set -- "$@" "-DCMAKE_CROSSCOMPILING_EMULATOR=$emulator"
 ! command -v ccache >/dev/null || set -- "$@" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
 generator=

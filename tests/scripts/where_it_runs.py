@@ -24,7 +24,6 @@ ROWS = [
     ("Debian package, 2025.07", *3 * [["hosts.package_sid"]], []),
     ("oldest Python, NumPy 1, PyMeshLab 2022.2", ["python.wheels"], *3 * [["python.oldest"]]),
     ("newest Python, NumPy 2, PyMeshLab 2025.7", ["python.wheels"], *3 * [["python.newest"]]),
-    ("core, kernels in plain C++17", ["processors.plain"], [], ["processors.plain"], ["processors.plain"]),
     ("core, clang with libc++", ["processors.libc++"], [], ["processors.libc++"], ["processors.libc++"]),
     ("core, arm64 under qemu", ["processors.arm64"], [], ["processors.arm64"], ["processors.arm64"]),
     ("wheel and program, Linux x86_64", *4 * [["python.linux-x86_64"]]),

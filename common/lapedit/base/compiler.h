@@ -1,38 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <bitset>
 #include <cstdint>
 
-// Wraps the extensions that only GCC and clang have. With LAPEDIT_PLAIN_KERNELS, and with other compilers, each has a
-// plain C++17 form.
+// Wraps extensions of GCC and clang.
 
-#if defined(__GNUC__) && !defined(LAPEDIT_PLAIN_KERNELS)
+#ifndef __GNUC__
+#error "Use GCC or clang: kernels need their vector types."
+#endif
+
 #define LAPEDIT_ALWAYS_INLINE __attribute__((always_inline))
+#define LAPEDIT_INLINE inline LAPEDIT_ALWAYS_INLINE
 #define LAPEDIT_PRAGMA(text) _Pragma(#text)
 /// Unrolls the loop that follows, so that its sums stay in registers.
 #define LAPEDIT_UNROLL(count) LAPEDIT_PRAGMA(GCC unroll count)
-#define LAPEDIT_VECTOR_SIZE(bytes) __attribute__((vector_size(bytes)))
-#define LAPEDIT_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
-#else
-#define LAPEDIT_ALWAYS_INLINE
-#define LAPEDIT_UNROLL(count)
-#ifndef LAPEDIT_PLAIN_KERNELS
-#define LAPEDIT_PLAIN_KERNELS
-#endif
-#endif
-#define LAPEDIT_INLINE inline LAPEDIT_ALWAYS_INLINE
-#ifdef __GNUC__
 #ifdef __MINGW32__  // mingw's printf() is GNU's in C++, but GCC checks formats against Microsoft's
 #define LAPEDIT_PRINTF(text, first) __attribute__((format(gnu_printf, text, first)))
 #else
 #define LAPEDIT_PRINTF(text, first) __attribute__((format(printf, text, first)))
 #endif
-#else
-#define LAPEDIT_PRINTF(text, first)
-#endif
 
-#if defined(__x86_64__) && !defined(LAPEDIT_PLAIN_KERNELS)
+#ifdef __x86_64__
 #define LAPEDIT_HAVE_AVX 1
 #define LAPEDIT_AVX2 __attribute__((target("avx2,fma")))
 #ifdef __clang__
@@ -47,7 +35,6 @@
 
 namespace lapedit {
 
-#ifdef __GNUC__
 LAPEDIT_INLINE void prefetch(const void* position) {
   __builtin_prefetch(position);
 }
@@ -57,20 +44,11 @@ LAPEDIT_INLINE int count_bits(std::uint64_t word) {
 LAPEDIT_INLINE int lowest_bit(std::uint64_t word) {
   return __builtin_ctzll(word);
 }
-#else
-inline void prefetch(const void*) {}
-inline int count_bits(std::uint64_t word) {
-  return static_cast<int>(std::bitset<64>(word).count());
-}
-inline int lowest_bit(std::uint64_t word) {
-  return count_bits((word & (~word + 1)) - 1);
-}
-#endif
 /// Lets the processor save power in a loop that waits for another thread.
 inline void pause_processor() {
-#if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
+#if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();
-#elif defined(__GNUC__) && defined(__aarch64__)
+#elif defined(__aarch64__)
   __asm__ __volatile__("yield");
 #endif
 }

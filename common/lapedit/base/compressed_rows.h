@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <numeric>
 #include <vector>
 
 namespace lapedit {
@@ -36,5 +38,19 @@ struct CompressedRows {
     return position;
   }
 };
+
+/// Returns lists of values. @param each  calls a function (row, value) for each entry, those of a row in their order;
+/// is called twice
+template <class Each>
+CompressedRows lists_of(int rows, const Each& each) {
+  CompressedRows lists;
+  lists.offsets.assign(static_cast<std::size_t>(rows) + 1, 0);
+  each([&](int row, int) { ++lists.offsets[row + 1]; });
+  std::partial_sum(lists.offsets.begin(), lists.offsets.end(), lists.offsets.begin());
+  lists.values.resize(lists.offsets.back());
+  std::vector<int> next(lists.offsets.begin(), lists.offsets.end() - 1);
+  each([&](int row, int value) { lists.values[next[row]++] = value; });
+  return lists;
+}
 
 }  // namespace lapedit

@@ -16,10 +16,10 @@ class Gate {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Returns when ready() is true; ready() reads atomics and is called often. @return the time spent waiting
+  /// Returns when ready() is true; ready() reads atomics and is called often.
   /// @param limit  0: none; otherwise it returns about after this time in any case
   template <class Ready>
-  Clock::duration wait(const Ready& ready, Clock::duration limit = {}) {
+  void wait(const Ready& ready, Clock::duration limit = {}) {
     // About the cost of waking a sleeping thread.
     constexpr std::chrono::microseconds kPatience{50};
     constexpr int kLooks = 32;
@@ -28,7 +28,7 @@ class Gate {
     do {
       for (int look = 0; look < kLooks; ++look) {
         if (ready()) {
-          return Clock::now() - start;
+          return;
         }
         pause_processor();
       }
@@ -42,7 +42,6 @@ class Gate {
       wake_.wait(lock, ready);
     }
     --asleep_;
-    return Clock::now() - start;
   }
 
   /// Wakes sleeping threads. Callers call it after each change that may make a thread ready. Costs one atomic read

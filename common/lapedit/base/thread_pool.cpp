@@ -2,22 +2,12 @@
 #include "lapedit/base/thread_pool.h"
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 #include <limits>
 #include <system_error>
 #include <utility>
 
 namespace lapedit {
 namespace {
-
-using Clock = Gate::Clock;
-
-/// Bound of the remembered balance. It is small, since the load of a machine changes.
-constexpr std::chrono::milliseconds kMemory{2};
-/// If waiting costs more than helpers save, the caller works alone for kRest times the loss, so that waiting costs at
-/// most 1 / kRest of the time.
-constexpr int kRest = 25;
 
 std::atomic<int> most_threads{std::numeric_limits<int>::max()};
 
@@ -26,15 +16,6 @@ constexpr std::uint64_t number_of(std::uint64_t ticket) {
 }
 constexpr int piece_of(std::uint64_t ticket) {
   return static_cast<int>(ticket & 0xffffffffU);
-}
-
-/// Returns the processor time of this thread in nanoseconds.
-std::int64_t processor_time() {
-  timespec time{};
-#ifdef CLOCK_THREAD_CPUTIME_ID
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-#endif
-  return std::int64_t{1000000000} * time.tv_sec + time.tv_nsec;
 }
 
 }  // namespace
@@ -100,11 +81,13 @@ void ThreadPool::keep_error() noexcept {
 }
 
 void ThreadPool::run(int pieces, Function function, const void* context) {
-  if (helpers_.empty() || pieces <= 1 || Clock::now() < alone_until_) {
-    run_alone(pieces, function, context);
+  if (helpers_.empty() || pieces <= 1) {
+    for (int piece = 0; piece < pieces; ++piece) {
+      work(function, context, piece);
+    }
+    rethrow();
     return;
   }
-  caller_ = std::this_thread::get_id();
   const std::uint64_t number = number_of(ticket_.load()) + 1;
   pieces_ = 0;  // no thread takes a piece until all members are set
   ticket_ = number << 32;
@@ -126,29 +109,12 @@ void ThreadPool::run(int pieces, Function function, const void* context) {
       keep_error();  // Helpers still use what belongs to the caller.
     }
   }
-  settle_accounts();
-  if (error_) {
-    std::rethrow_exception(std::exchange(error_, nullptr));
-  }
+  rethrow();
 }
 
-void ThreadPool::run_alone(int pieces, Function function, const void* context) {
-  for (int piece = 0; piece < pieces; ++piece) {
-    work(function, context, piece);
-  }
+void ThreadPool::rethrow() {
   if (error_) {
     std::rethrow_exception(std::exchange(error_, nullptr));
-  }
-}
-
-/// Compares the time that helpers saved with the time that the caller waited for them. The caller waits long if helpers
-/// share a processor with other programs.
-void ThreadPool::settle_accounts() {
-  balance_ = std::min<Clock::duration>(balance_ + Nanoseconds(helped_.exchange(0)) - waited_, kMemory);
-  waited_ = {};
-  if (balance_ < -kMemory) {
-    alone_until_ = Clock::now() - kRest * balance_;
-    balance_ = {};
   }
 }
 
@@ -157,7 +123,6 @@ void ThreadPool::help() {
     const std::uint64_t number = number_of(ticket_.load());
     int piece = 0;
     if (take(number, piece)) {
-      const std::int64_t start = processor_time();
       do {
         ProgressScope::work_for(scope_.load());
         work(function_.load(), context_.load(), piece);
@@ -167,7 +132,6 @@ void ThreadPool::help() {
         }
       } while (take(number, piece));
       ProgressScope::work_for(nullptr);
-      helped_ += processor_time() - start;
     } else {
       for_work_.wait([this] { return quit_ || has_pieces(); });
     }

@@ -22,8 +22,7 @@ void limit_threads(int most);
 
 /// Divides loops among helper threads that live as long as the pool. A call starts no thread and allocates nothing, so
 /// the pool suits repeated work of fractions of a millisecond. Each idle thread takes the next piece, so a thread that
-/// loses its processor delays one piece only. If the caller waits longer than the helpers work, as on a machine with
-/// other load, it works alone for a while.
+/// loses its processor delays one piece only.
 ///
 /// Helpers work for the ProgressScope of the caller. Only the caller's thread calls the progress function, also while
 /// it waits for helpers; after a cancellation no further piece begins.
@@ -47,32 +46,27 @@ class ThreadPool {
         pieces, [](const void* context, int piece) { (*static_cast<const Work*>(context))(piece); }, &work);
   }
 
-  /// Waits as Gate::wait() does, for pieces that depend on each other; the caller's waiting time is counted.
+  /// Waits as Gate::wait() does, for pieces that depend on each other.
   /// @throws EditError (Cancelled)
   template <class Ready>
   void wait(Gate& gate, const Ready& ready) {
     constexpr std::chrono::milliseconds kBetweenCalls{5};
     const bool may_end = ProgressScope::current() != nullptr;
     do {
-      const Gate::Clock::duration time = gate.wait(ready, may_end ? kBetweenCalls : Gate::Clock::duration());
-      if (std::this_thread::get_id() == caller_) {
-        waited_ += time;
-      }
+      gate.wait(ready, may_end ? kBetweenCalls : Gate::Clock::duration());
       checkpoint(may_end && !ready() ? kWorkPerCall : 0);
     } while (!ready());
   }
 
  private:
   using Function = void (*)(const void*, int);
-  using Nanoseconds = std::chrono::nanoseconds;
   void run(int pieces, Function function, const void* context);
-  void run_alone(int pieces, Function function, const void* context);
+  void rethrow();
   bool take(std::uint64_t number, int& piece);
   void work(Function function, const void* context, int piece) noexcept;
   void keep_error() noexcept;
   bool has_pieces() const;
   void help();
-  void settle_accounts();
 
   // A job's number (upper half) and its next piece (lower half) change together, so that a piece taken belongs to the
   // job whose function is read after.
@@ -86,12 +80,6 @@ class ThreadPool {
   Gate for_work_, for_the_end_;
   std::mutex mutex_;
   std::exception_ptr error_;  // guarded by mutex_ until all pieces are done
-
-  std::thread::id caller_;
-  Gate::Clock::duration waited_{};       // by the caller, since settle_accounts() was called
-  std::atomic<std::int64_t> helped_{0};  // nanoseconds of processor time
-  Gate::Clock::duration balance_{};      // recent benefit of the helpers
-  Gate::Clock::time_point alone_until_{};
   std::vector<std::thread> helpers_;
 };
 

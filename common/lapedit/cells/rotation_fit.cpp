@@ -2,7 +2,6 @@
 #include "lapedit/cells/rotation_fit.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "lapedit/base/polar_decomposition.h"
 
@@ -13,16 +12,11 @@ RotationFit::RotationFit(const RegionCells& cells)
       areas_(Eigen::Map<const Eigen::VectorXd>(cells.area.data(), cells.count())),
       scratch_(cells.count(), 3),
       rotations_(cells.count()) {
-  members_.offsets.assign(static_cast<std::size_t>(cells.count()) + 1, 0);
-  for (const int c : cells.of) {
-    ++members_.offsets[c + 1];
-  }
-  std::partial_sum(members_.offsets.begin(), members_.offsets.end(), members_.offsets.begin());
-  members_.values.resize(cells.of.size());
-  std::vector<int> next(members_.offsets.begin(), members_.offsets.end() - 1);
-  for (int i = 0; i < static_cast<int>(cells.of.size()); ++i) {
-    members_.values[next[cells.of[i]]++] = i;
-  }
+  members_ = lists_of(cells.count(), [&](const auto& use) {
+    for (int i = 0; i < static_cast<int>(cells.of.size()); ++i) {
+      use(cells.of[i], i);
+    }
+  });
   for (int k = 0; k < 3; ++k) {
     rest_[k].resize(cells.count(), 3);
     moved_[k].resize(cells.count(), 3);

@@ -232,8 +232,8 @@ EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh, T
   return result;
 }
 
-/// Weakens links, which have no triangles. Separate rows constrain them (link_rows.h); the weak weights only connect
-/// pieces that have no other neighbour.
+/// Weakens links, which have no triangles. Separate rows constrain them (link_strengths()); the weak weights only
+/// connect pieces that have no other neighbour.
 void weaken_links(const Region& region, EdgeWeights& weights) {
   constexpr double kLink = 0.03;
   for (const auto& [i, j] : region.links) {

@@ -218,9 +218,10 @@ void measure_shape(const Region& region, const Points& before, const Points& aft
   report.causes.stretched = stretch.at < 0 ? -1 : region.mesh_vertex[stretch.at];
   report.flipped = flipped_triangles(region, before, after, rotations);
   find_folds(region, before, after, pool, report);
-  report.volume = enclosed_volume(region, before);
-  report.volume_change = enclosed_volume(region, after) - report.volume;
-  report.is_body = encloses_a_body(region, before, report.volume);
+  const ComponentVolume enclosed = enclosed_volume(region, before);
+  report.volume = enclosed.volume;
+  report.volume_change = enclosed_volume(region, after).volume - report.volume;
+  report.is_body = enclosed.is_body;
 }
 
 void measure_edit(const LaplacianSystem& system, const EditConstraints& constraints, const Points& positions,

@@ -48,7 +48,7 @@ GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
   GeodesicFalloff result;
   result.lone = lone_vertices(region);
   Eigen::MatrixXd distances(region.size(), groups + 1);
-  const CompressedRows around = build_adjacency(region.size(), region.faces, 1).faces;
+  const CompressedRows around = build_adjacency(region.size(), region.faces).faces;
   GeodesicSearch search({region.neighbours, points, region.faces, around});
   for (int k = 0; k <= groups; ++k) {
     search.run(seeds[k], kUnreached);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lapedit/base/progress.h"
+#include "lapedit/mesh/adjacency.h"
 
 namespace lapedit {
 namespace {
@@ -27,7 +28,6 @@ class IntrinsicTriangulation {
   double area(int face) const { return area_[face]; }
   void measure(int face);
   double cotangent(int side) const;  // of the opposite angle
-  void glue();
   void orient();
   void reverse(int face);
   void mollify();
@@ -45,7 +45,7 @@ IntrinsicTriangulation::IntrinsicTriangulation(const Points& points, const Faces
     : vertices_(static_cast<int>(points.rows())),
       corner_(3 * static_cast<std::size_t>(faces.rows())),
       length_(corner_.size()),
-      partner_(corner_.size(), -1),
+      partner_(paired_sides(vertices_, faces)),
       area_(static_cast<std::size_t>(faces.rows())) {
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     for (int s = 0; s < 3; ++s) {
@@ -62,7 +62,6 @@ IntrinsicTriangulation::IntrinsicTriangulation(const Points& points, const Faces
   for (int face = 0; face < static_cast<int>(area_.size()); ++face) {
     measure(face);
   }
-  glue();
   orient();
 }
 
@@ -77,34 +76,6 @@ void IntrinsicTriangulation::mollify() {
   }
   for (double& length : length_) {
     length += missing;
-  }
-}
-
-/// Finds the partners of sides: those of the same edge, if there are two.
-void IntrinsicTriangulation::glue() {
-  const auto sides = static_cast<int>(corner_.size());
-  std::vector<int> offsets(static_cast<std::size_t>(vertices_) + 1, 0);
-  const auto low = [this](int side) { return std::min(corner_[side], end(side)); };
-  const auto high = [this](int side) { return std::max(corner_[side], end(side)); };
-  for (int side = 0; side < sides; ++side) {
-    ++offsets[low(side) + 1];
-  }
-  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-  std::vector<int> sorted(corner_.size()), at = offsets;
-  for (int side = 0; side < sides; ++side) {
-    sorted[at[low(side)]++] = side;
-  }
-  for (int vertex = 0; vertex < vertices_; ++vertex) {
-    const auto first = sorted.begin() + offsets[vertex], last = sorted.begin() + offsets[vertex + 1];
-    std::sort(first, last, [&](int a, int b) { return std::pair(high(a), a) < std::pair(high(b), b); });
-    for (auto one = first; one != last;) {
-      const auto after = std::find_if(one, last, [&](int side) { return high(side) != high(*one); });
-      if (after - one == 2) {
-        partner_[one[0]] = one[1];
-        partner_[one[1]] = one[0];
-      }
-      one = after;
-    }
   }
 }
 

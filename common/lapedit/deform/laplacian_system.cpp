@@ -10,7 +10,6 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/fair_surface.h"
-#include "lapedit/deform/link_rows.h"
 #include "lapedit/deform/membrane.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/linear.h"
@@ -50,6 +49,61 @@ bool same_pattern(const OperatorRows::Rows& a, const OperatorRows::Rows& b) {
   return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() &&
          std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.rows(), b.outerIndexPtr()) &&
          std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
+}
+
+/// Returns the strength s of each of the region's links. A link holds two pieces together by a row s (x_a - x_b) = s t
+/// below those of M^k. Here t is e = p_a - p_b rotated into the direction of (R_a + R_b) e. The rows of M^k leave
+/// residuals of some tenths of an edge h, which change a link of length g by about as much over s^2. So s^2 = 1000
+/// max(1, h / g), at most 10000, keeps the length of the link within a few hundredths. For higher orders the factor is
+/// 100 instead of 1000.
+/// @param rest  size() x 3
+Eigen::VectorXd link_strengths(const Region& region, const Points& rest, int order) {
+  const double strength = order == 1 ? 1000 : 100;  // squared; matrices of higher orders are ill-conditioned anyway
+  constexpr double kMost = 1e4;
+  const auto is_link = [&region](int i, int j) {
+    return std::binary_search(region.links.begin(), region.links.end(), std::pair(std::min(i, j), std::max(i, j)));
+  };
+  Eigen::VectorXd strengths(static_cast<Eigen::Index>(region.links.size()));
+  for (Eigen::Index k = 0; k < strengths.size(); ++k) {
+    const auto [a, b] = region.links[static_cast<std::size_t>(k)];
+    double edges = 0;
+    int count = 0;
+    for (const int end : {a, b}) {
+      for (const int j : region.neighbours[end]) {
+        if (!is_link(end, j)) {
+          edges += (rest.row(end) - rest.row(j)).norm();
+          ++count;
+        }
+      }
+    }
+    const double gap = (rest.row(a) - rest.row(b)).norm();
+    const double ratio = count > 0 && gap * kMost > edges / count * strength ? edges / count / gap : kMost;
+    strengths[k] = std::sqrt(std::clamp(strength * ratio, strength, kMost));
+  }
+  return strengths;
+}
+
+/// Returns the matrix with the rows of links below its own. @param strengths  if empty, the result is the matrix itself
+SparseMatrix with_link_rows(const SparseMatrix& matrix, const Region& region, const Eigen::VectorXd& strengths) {
+  if (strengths.size() == 0) {
+    return matrix;
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<std::size_t>(matrix.nonZeros() + 2 * strengths.size()));
+  for (int j = 0; j < matrix.outerSize(); ++j) {
+    for (SparseMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
+      entries.emplace_back(static_cast<int>(entry.row()), j, entry.value());
+    }
+  }
+  const auto n = static_cast<int>(matrix.rows());
+  for (int k = 0; k < static_cast<int>(strengths.size()); ++k) {
+    const auto [a, b] = region.links[static_cast<std::size_t>(k)];
+    entries.emplace_back(n + k, a, strengths[k]);
+    entries.emplace_back(n + k, b, -strengths[k]);
+  }
+  SparseMatrix all(n + strengths.size(), matrix.cols());
+  all.setFromTriplets(entries.begin(), entries.end());
+  return all;
 }
 
 /// Prepares the operator, factor and kernel of a system, or reuses those of the previous one.

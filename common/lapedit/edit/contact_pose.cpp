@@ -142,28 +142,28 @@ class ContactPose::Response {
   Points right_, x_;
 };
 
-ContactPose::ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest) : rest_(std::move(rest)) {
+ContactPose::ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest)
+    : rest_(std::move(rest)),
+      vertices_(mesh.vertices.rowwise() - rest_->origin.transpose()),
+      faces_(mesh.faces.rows(), 3),
+      local_(static_cast<std::size_t>(mesh.vertices.rows()), -1) {
   const Region& region = *rest_->region;
-  around_.vertices = mesh.vertices.rowwise() - rest_->origin.transpose();
-  around_.local.assign(static_cast<std::size_t>(mesh.vertices.rows()), -1);
   for (int i = 0; i < region.size(); ++i) {
-    around_.local[region.mesh_vertex[i]] = i;
+    local_[region.mesh_vertex[i]] = i;
   }
-  around_.moving.resize(mesh.faces.rows(), 3);
-  around_.resting.resize(mesh.faces.rows(), 3);
-  Eigen::Index moving = 0, resting = 0;
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-    const auto face = mesh.faces.row(f);
-    const bool distinct = face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
-    const Points& at = around_.vertices;
-    if (distinct && (at.row(face[0]) + at.row(face[1]) + at.row(face[2])).allFinite()) {
-      const auto is_in = [&](int v) { return around_.local[v] >= 0; };
-      const bool moves = is_in(face[0]) || is_in(face[1]) || is_in(face[2]);
-      (moves ? around_.moving.row(moving++) : around_.resting.row(resting++)) = face;
+  Eigen::Index count = 0;
+  for (const bool moving : {true, false}) {
+    for (const auto& face : mesh.faces.rowwise()) {
+      const bool distinct = face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
+      const bool moves = local_[face[0]] >= 0 || local_[face[1]] >= 0 || local_[face[2]] >= 0;
+      if (moves == moving && distinct &&
+          (vertices_.row(face[0]) + vertices_.row(face[1]) + vertices_.row(face[2])).allFinite()) {
+        faces_.row(count++) = face;
+      }
     }
+    moving_ = moving ? count : moving_;
   }
-  around_.moving.conservativeResize(moving, 3);
-  around_.resting.conservativeResize(resting, 3);
+  faces_.conservativeResize(count, 3);
 }
 
 ContactPose::~ContactPose() = default;
@@ -178,36 +178,30 @@ void ContactPose::make_surface(const std::vector<Points>& path) {
     return;
   }
   box_ = box;
-  std::vector<int> local = around_.local;
+  std::vector<int> local = local_;
   mesh_vertex_ = rest_->region->mesh_vertex;
-  Faces faces(around_.moving.rows() + around_.resting.rows(), 3);
+  Faces faces(faces_.rows(), 3);
   Eigen::Index count = 0;
-  const auto add = [&](const Faces& from, Eigen::Index f) {
+  for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
+    Eigen::AlignedBox3d own;
+    for (const int v : faces_.row(f)) {
+      own.extend(vertices_.row(v).transpose());
+    }
+    if (f >= moving_ && !box.intersects(own)) {
+      continue;
+    }
     for (int k = 0; k < 3; ++k) {
-      int& number = local[from(f, k)];
+      int& number = local[faces_(f, k)];
       if (number < 0) {
         number = static_cast<int>(mesh_vertex_.size());
-        mesh_vertex_.push_back(from(f, k));
+        mesh_vertex_.push_back(faces_(f, k));
       }
       faces(count, k) = number;
     }
     ++count;
-  };
-  for (Eigen::Index f = 0; f < around_.moving.rows(); ++f) {
-    add(around_.moving, f);
-  }
-  for (Eigen::Index f = 0; f < around_.resting.rows(); ++f) {
-    Eigen::AlignedBox3d own;
-    for (const int v : around_.resting.row(f)) {
-      own.extend(around_.vertices.row(v).transpose());
-    }
-    if (box.intersects(own)) {
-      add(around_.resting, f);
-    }
   }
   faces.conservativeResize(count, 3);
-  surface_ =
-      std::make_unique<ContactSurface>(gather(around_.vertices, mesh_vertex_), std::move(faces), rest_->region->size());
+  surface_ = std::make_unique<ContactSurface>(gather(vertices_, mesh_vertex_), std::move(faces), rest_->region->size());
 }
 
 /// Returns all vertices of the surface.
@@ -291,20 +285,9 @@ Eigen::VectorXd ContactPose::pressures(const Eigen::VectorXd& missing, double st
   for (int set = 0; set < kMostSets && pressing != next; ++set) {
     checkpoint();
     pressing.swap(next);
-    const auto size = static_cast<Eigen::Index>(pressing.size());
-    Eigen::MatrixXd part(size, size);
-    Eigen::VectorXd right(size);
-    for (Eigen::Index i = 0; i < size; ++i) {
-      right[i] = missing[pressing[i]];
-      for (Eigen::Index j = 0; j < size; ++j) {
-        part(j, i) = compliance(pressing[j], pressing[i]);
-      }
-    }
-    part.llt().solveInPlace(right);
+    const Eigen::MatrixXd part = compliance(pressing, pressing);
     pressure.setZero();
-    for (Eigen::Index i = 0; i < size; ++i) {
-      pressure[pressing[i]] = right[i];
-    }
+    pressure(pressing) = part.llt().solve(missing(pressing));
     const Eigen::VectorXd open = missing - compliance * pressure;
     next.clear();
     for (int k = 0; k < count; ++k) {

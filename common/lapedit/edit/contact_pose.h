@@ -41,12 +41,6 @@ class ContactPose {
 
  private:
   class Response;
-  /// The mesh, relative to the origin.
-  struct Around {
-    Points vertices;
-    Faces moving, resting;   // with a corner in the region, and all others
-    std::vector<int> local;  // per vertex: in the region, or -1
-  };
   void make_surface(const std::vector<Points>& path);
   Points whole(const Points& pose) const;
   bool add(std::vector<Contact> contacts);
@@ -58,7 +52,10 @@ class ContactPose {
   void yield();
 
   std::shared_ptr<const RestPose> rest_;
-  Around around_;
+  Points vertices_;          // of the mesh, relative to the origin
+  Faces faces_;              // of the mesh, those with a corner in the region first
+  Eigen::Index moving_ = 0;  // number of these
+  std::vector<int> local_;   // per vertex of the mesh: in the region, or -1
   std::unique_ptr<ContactSurface> surface_;
   Eigen::AlignedBox3d box_;       // that the surface's resting faces meet
   std::vector<int> mesh_vertex_;  // of the surface's vertices

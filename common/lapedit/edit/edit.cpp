@@ -197,7 +197,7 @@ EditResult apply_edit(const TriangleMesh& mesh, const Edit& edit, double fractio
                       const Progress& progress, const SolverOptions& options) {
   const ProgressScope scope(progress);
   validate(mesh);
-  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces, options.threads);
+  const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
   return std::move(apply_edit(mesh, adjacency, edit, {}, {fraction}, scalar, {}, options).front());
 }
 

@@ -8,9 +8,9 @@
 #include <memory>
 #include <mutex>
 #include <new>
-#include <numeric>
 #include <vector>
 
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/linear/tree_walk.h"
 
@@ -63,11 +63,16 @@ class Factorisation {
         take_(take),
         pool_(pool),
         kernel_(kernel),
-        children_(tree.nodes.size() + 1, 0),
+        children_(lists_of(static_cast<int>(tree.nodes.size()),
+                           [&tree](const auto& use) {
+                             for (int s = 0; s < static_cast<int>(tree.nodes.size()); ++s) {
+                               if (const int parent = tree.nodes[s].parent; parent >= 0) {
+                                 use(parent, s);
+                               }
+                             }
+                           })),
         fronts_(tree.nodes.size()),
-        positions_(pool.threads(), std::vector<int>(tree.size)) {
-    list_children();
-  }
+        positions_(pool.threads(), std::vector<int>(tree.size)) {}
 
   bool run() {
     TreeWalk walk(tree_, pool_.threads());
@@ -97,7 +102,6 @@ class Factorisation {
   int stride(int s) const { return (size(s) + kFrontLanes - 1) / kFrontLanes * kFrontLanes; }
   const int* rows(int s) const { return pattern_.rows.data() + pattern_.row_offsets[s]; }
 
-  void list_children();
   void eliminate(int s, int* position);
   void add_matrix(int s, const int* position, double* front) const;
   void add_child(int child, const int* position, double* front, int front_stride);
@@ -108,26 +112,12 @@ class Factorisation {
   const std::function<void(int, const double*, int)>& take_;
   ThreadPool& pool_;
   FrontalKernel kernel_;
-  std::vector<int> children_, child_;  // those of s: child_[children_[s] .. children_[s + 1])
+  CompressedRows children_;
   std::vector<Front> fronts_;
   std::vector<std::vector<int>> positions_;  // per thread: row -> position in the front
   Recycler recycler_;
   std::atomic<bool> definite_{true};
 };
-
-void Factorisation::list_children() {
-  for (const TaskTree::Node& node : tree_.nodes) {
-    children_[node.parent + 1] += node.parent >= 0 ? 1 : 0;
-  }
-  std::partial_sum(children_.begin(), children_.end(), children_.begin());
-  child_.resize(children_.back());
-  std::vector<int> next(children_.begin(), children_.end() - 1);
-  for (std::size_t s = 0; s < tree_.nodes.size(); ++s) {
-    if (const int parent = tree_.nodes[s].parent; parent >= 0) {
-      child_[next[parent]++] = static_cast<int>(s);
-    }
-  }
-}
 
 void Factorisation::add_matrix(int s, const int* position, double* front) const {
   const int first = tree_.nodes[s].first_column;
@@ -171,8 +161,8 @@ void Factorisation::eliminate(int s, int* position) {
                 static_cast<std::size_t>(front_stride - start) * sizeof(double));
   }
   add_matrix(s, position, values);
-  for (int c = children_[s]; c < children_[s + 1]; ++c) {
-    add_child(child_[c], position, values, front_stride);
+  for (const int child : children_[s]) {
+    add_child(child, position, values, front_stride);
   }
   if (!kernel_(values, front_stride, front_size, columns(s))) {
     definite_ = false;

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/base/progress.h"
 
 namespace lapedit {
@@ -16,38 +17,19 @@ namespace {
 
 constexpr int kNone = -1;
 
-/// Lists of rows for each of n rows, stored one after the other.
-struct Lists {
-  std::vector<int> offsets, values;
-
-  explicit Lists(int n) : offsets(n + 1, 0) {}
-  void count(int row) { ++offsets[row + 1]; }
-  void counted() {
-    std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-    values.resize(offsets.back());
-    next_.assign(offsets.begin(), offsets.end() - 1);
-  }
-  void add(int row, int value) { values[next_[row]++] = value; }
-  const int* begin(int row) const { return values.data() + offsets[row]; }
-  const int* end(int row) const { return values.data() + offsets[row + 1]; }
-
- private:
-  std::vector<int> next_;
-};
-
 /// The lower half of a matrix in a given order.
 struct Neighbours {
-  Lists left, below;
+  CompressedRows left, below;
 
-  Neighbours(const SparseMatrix& matrix, const std::vector<int>& order)
-      : left(static_cast<int>(matrix.cols())), below(static_cast<int>(matrix.cols())) {
+  Neighbours(const SparseMatrix& matrix, const std::vector<int>& order) {
+    const int n = static_cast<int>(matrix.cols());
     std::vector<int> position(order.size());
     for (std::size_t k = 0; k < order.size(); ++k) {
       position[order[k]] = static_cast<int>(k);
     }
     const auto for_each = [&](const auto& body) {
       Checkpoints checkpoints;
-      for (int j = 0; j < matrix.outerSize(); ++j) {
+      for (int j = 0; j < n; ++j) {
         checkpoints();
         for (SparseMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
           if (entry.row() > j) {
@@ -57,21 +39,19 @@ struct Neighbours {
         }
       }
     };
-    for_each([&](int low, int high) { left.count(high), below.count(low); });
-    left.counted();
-    below.counted();
-    for_each([&](int low, int high) { left.add(high, low), below.add(low, high); });
+    left = lists_of(n, [&](const auto& use) { for_each([&](int low, int high) { use(high, low); }); });
+    below = lists_of(n, for_each);
   }
 };
 
 /// Computes the parents of the elimination tree (Liu 1990): each column's first row below the diagonal of the factor.
-std::vector<int> parents_of_columns(const Lists& left, int n) {
+std::vector<int> parents_of_columns(const CompressedRows& left, int n) {
   std::vector<int> parent(n, kNone), ancestor(n, kNone);
   Checkpoints checkpoints;
   for (int k = 0; k < n; ++k) {
     checkpoints();
-    for (const int* entry = left.begin(k); entry != left.end(k); ++entry) {
-      for (int i = *entry, next = kNone; i != kNone && i < k; i = next) {
+    for (const int entry : left[k]) {
+      for (int i = entry, next = kNone; i != kNone && i < k; i = next) {
         next = std::exchange(ancestor[i], k);
         if (next == kNone) {
           parent[i] = k;
@@ -119,7 +99,8 @@ std::vector<int> postorder(const std::vector<int>& parent, const std::vector<int
 
 /// Counts the entries of each column of the factor, including the diagonal (Gilbert, Ng and Peyton 1994): the leaves of
 /// each row's subtree of the elimination tree, minus the positions where their paths meet.
-std::vector<int> column_counts(const Lists& below, const std::vector<int>& parent, const std::vector<int>& post) {
+std::vector<int> column_counts(const CompressedRows& below, const std::vector<int>& parent,
+                               const std::vector<int>& post) {
   const int n = static_cast<int>(parent.size());
   std::vector<int> count(n), first(n, kNone), most_first(n, kNone), last_leaf(n, kNone), ancestor(n);
   std::iota(ancestor.begin(), ancestor.end(), 0);
@@ -136,13 +117,13 @@ std::vector<int> column_counts(const Lists& below, const std::vector<int>& paren
     if (parent[j] != kNone) {
       --count[parent[j]];
     }
-    for (const int* row = below.begin(j); row != below.end(j); ++row) {
-      if (first[j] <= most_first[*row]) {
+    for (const int row : below[j]) {
+      if (first[j] <= most_first[row]) {
         continue;  // not a leaf of the row's subtree
       }
-      most_first[*row] = first[j];
+      most_first[row] = first[j];
       ++count[j];
-      const int before = std::exchange(last_leaf[*row], j);
+      const int before = std::exchange(last_leaf[row], j);
       if (before == kNone) {
         continue;
       }
@@ -275,7 +256,7 @@ void join_supernodes(const std::vector<int>& fundamental, const std::vector<int>
 }
 
 /// Lists the rows of each supernode. Row k is in all supernodes on the paths from its entries up the tree to its own.
-void fill_rows(const Lists& left, const std::vector<int>& post, const std::vector<int>& position,
+void fill_rows(const CompressedRows& left, const std::vector<int>& post, const std::vector<int>& position,
                const std::vector<int>& parent, SupernodalPattern& pattern) {
   const std::vector<int> of = supernode_of_columns(pattern.columns);
   const std::vector<int> above = parents_of_supernodes(pattern.columns, of, parent);
@@ -287,8 +268,8 @@ void fill_rows(const Lists& left, const std::vector<int>& post, const std::vecto
     checkpoints();
     seen[of[k]] = k;
     pattern.rows[next[of[k]]++] = k;
-    for (const int* entry = left.begin(post[k]); entry != left.end(post[k]); ++entry) {
-      for (int s = of[position[*entry]]; seen[s] != k; s = above[s]) {
+    for (const int entry : left[post[k]]) {
+      for (int s = of[position[entry]]; seen[s] != k; s = above[s]) {
         seen[s] = k;
         pattern.rows[next[s]++] = k;
       }

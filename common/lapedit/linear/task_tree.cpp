@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/linear/supernode_kernels.h"
 
 namespace lapedit::supernode {
@@ -89,7 +90,6 @@ void TaskTree::join() {
     task_of[tasks[t].last_node] = static_cast<int>(t);
   }
   list_places.resize(list_rows.size());
-  std::vector<std::vector<int>> children(tasks.size());
   for (std::size_t t = 0; t < tasks.size(); ++t) {
     Task& task = tasks[t];
     const int parent = nodes[task.last_node].parent;
@@ -98,7 +98,6 @@ void TaskTree::join() {
       continue;
     }
     task.parent = task_of[parent];
-    children[task.parent].push_back(static_cast<int>(t));
     const Node& above = nodes[parent];
     int position = 0;
     for (int i = task.list; i < task.list + task.list_size; ++i) {
@@ -112,12 +111,19 @@ void TaskTree::join() {
       list_places[i] = above.columns + position;
     }
   }
-  for (std::size_t t = 0; t < tasks.size(); ++t) {
-    tasks[t].first_child = static_cast<int>(child_tasks.size());
-    child_tasks.insert(child_tasks.end(), children[t].begin(), children[t].end());
-    tasks[t].last_child = static_cast<int>(child_tasks.size());
-    if (children[t].empty()) {
-      leaves.push_back(static_cast<int>(t));
+  const CompressedRows children = lists_of(static_cast<int>(tasks.size()), [this](const auto& use) {
+    for (int t = 0; t < static_cast<int>(tasks.size()); ++t) {
+      if (tasks[t].parent >= 0) {
+        use(tasks[t].parent, t);
+      }
+    }
+  });
+  child_tasks = children.values;
+  for (int t = 0; t < children.rows(); ++t) {
+    tasks[t].first_child = children.offsets[t];
+    tasks[t].last_child = children.offsets[t + 1];
+    if (children[t].size() == 0) {
+      leaves.push_back(t);
     }
   }
 }

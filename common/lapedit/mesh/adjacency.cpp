@@ -3,127 +3,60 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <utility>
 
 #include "lapedit/base/progress.h"
-#include "lapedit/base/thread_pool.h"
 
 namespace lapedit {
 namespace {
 
-/// Calls work(k, first, last) for the k-th chunk of [0, count), one chunk per thread.
-template <class Work>
-void in_chunks(ThreadPool& pool, Eigen::Index count, const Work& work) {
-  const int chunks = pool.threads();
-  pool.each(chunks, [&](int chunk) {
-    work(chunk, static_cast<int>(count * chunk / chunks), static_cast<int>(count * (chunk + 1) / chunks));
-  });
-}
-
-/// Per row: the index at which a chunk writes its next entry, or the number of its entries; and its last entry.
-struct Place {
-  int count = 0;
-  int last = -1;
-};
-using VertexQuery = std::vector<std::vector<Place>>;
-
-/// Allocates rows in which the entries of the chunks follow each other, and computes where each chunk writes.
-CompressedRows make_rows(VertexQuery& chunks, int rows) {
-  CompressedRows lists;
-  lists.offsets.resize(rows + 1);
-  int end = 0;
-  for (int row = 0; row < rows; ++row) {
-    for (std::vector<Place>& chunk : chunks) {
-      const int count = chunk[row].count;
-      chunk[row] = {end, -1};
-      end += count;
-    }
-    lists.offsets[row + 1] = end;
-  }
-  lists.values.resize(end);
-  return lists;
-}
-
-/// Returns the faces around each vertex.
-CompressedRows faces_around(ThreadPool& pool, VertexQuery& chunks, int vertex_count, const Faces& faces) {
-  // A face that names a vertex twice is listed once.
-  const auto each_corner = [&faces](int f, const auto& use) {
-    const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
-    use(a);
-    if (b != a) {
-      use(b);
-    }
-    if (c != a && c != b) {
-      use(c);
+/// Returns the faces around each vertex. A face that names a vertex twice is listed once.
+CompressedRows faces_around(int vertex_count, const Faces& faces) {
+  const auto each_corner = [&faces](const auto& use) {
+    Checkpoints checkpoints;
+    for (int f = 0; f < static_cast<int>(faces.rows()); ++f) {
+      checkpoints();
+      const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
+      use(a, f);
+      if (b != a) {
+        use(b, f);
+      }
+      if (c != a && c != b) {
+        use(c, f);
+      }
     }
   };
-  in_chunks(pool, faces.rows(), [&](int chunk, int first, int last) {
-    chunks[chunk].assign(vertex_count, Place());
-    Checkpoints checkpoints;
-    for (int f = first; f < last; ++f) {
-      checkpoints();
-      each_corner(f, [&](int v) { ++chunks[chunk][v].count; });
-    }
-  });
-  CompressedRows around = make_rows(chunks, vertex_count);
-  in_chunks(pool, faces.rows(), [&](int chunk, int first, int last) {
-    Checkpoints checkpoints;
-    for (int f = first; f < last; ++f) {
-      checkpoints();
-      each_corner(f, [&](int v) { around.values[chunks[chunk][v].count++] = f; });
-    }
-  });
-  return around;
+  return lists_of(vertex_count, each_corner);
 }
 
 /// Returns the other ends of each vertex's edges. Vertices enter themselves in ascending order into the rows of their
 /// neighbours, so rows are sorted and duplicates are adjacent.
-CompressedRows rings(ThreadPool& pool, VertexQuery& chunks, const CompressedRows& around, const Faces& faces) {
-  const auto each_neighbour = [&](int v, const auto& use) {
-    for (const int f : around[v]) {
-      const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
-      const int one = a == v ? b : a, other = c == v ? b : c;
-      for (const int w : {one, other}) {
-        if (w != v) {
-          use(w);
+CompressedRows rings(const CompressedRows& around, const Faces& faces) {
+  std::vector<int> last(around.rows());  // the last entry of each row
+  const auto each_edge = [&](const auto& use) {
+    std::fill(last.begin(), last.end(), -1);
+    Checkpoints checkpoints;
+    for (int v = 0; v < around.rows(); ++v) {
+      checkpoints();
+      for (const int f : around[v]) {
+        const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
+        for (const int w : {a == v ? b : a, c == v ? b : c}) {
+          if (w != v && last[w] != v) {
+            last[w] = v;
+            use(w, v);
+          }
         }
       }
     }
   };
-  in_chunks(pool, around.rows(), [&](int chunk, int first, int last) {
-    std::vector<Place>& positions = chunks[chunk];
-    positions.assign(around.rows(), Place());
-    Checkpoints checkpoints;
-    for (int v = first; v < last; ++v) {
-      checkpoints();
-      each_neighbour(v, [&](int w) { positions[w] = {positions[w].count + (positions[w].last != v), v}; });
-    }
-  });
-  CompressedRows next = make_rows(chunks, around.rows());
-  in_chunks(pool, around.rows(), [&](int chunk, int first, int last) {
-    std::vector<Place>& positions = chunks[chunk];
-    Checkpoints checkpoints;
-    for (int v = first; v < last; ++v) {
-      checkpoints();
-      each_neighbour(v, [&](int w) {
-        positions[w] = {positions[w].count + (positions[w].last != v), v};
-        next.values[positions[w].count - 1] = v;
-      });
-    }
-  });
-  return next;
+  return lists_of(around.rows(), each_edge);
 }
 
 }  // namespace
 
-Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads) {
-  constexpr int kWorthThreads = 16384;
-  constexpr int kMostThreads = 4;  // each thread needs its own memory
-  ThreadPool pool(vertex_count >= kWorthThreads ? std::min(thread_count(threads), kMostThreads) : 1);
-  VertexQuery chunks(pool.threads());
-  CompressedRows around = faces_around(pool, chunks, vertex_count, faces);
-  CompressedRows next = rings(pool, chunks, around, faces);
+Adjacency build_adjacency(int vertex_count, const Faces& faces) {
+  CompressedRows around = faces_around(vertex_count, faces);
+  CompressedRows next = rings(around, faces);
   return {std::move(next), std::move(around)};
 }
 
@@ -164,6 +97,34 @@ int connected_components(const CompressedRows& neighbours, std::vector<int>& lab
   return count;
 }
 
+std::vector<int> paired_sides(int vertex_count, const Faces& faces) {
+  const auto ends_of = [&faces](int side) {
+    return std::minmax({faces(side / 3, side % 3), faces(side / 3, (side + 1) % 3)});
+  };
+  CompressedRows sides = lists_of(vertex_count, [&](const auto& use) {
+    for (int side = 0; side < static_cast<int>(faces.size()); ++side) {
+      if (const auto [low, high] = ends_of(side); low < high) {
+        use(low, side);
+      }
+    }
+  });
+  std::vector<int> partner(static_cast<std::size_t>(faces.size()), -1);
+  for (int v = 0; v < vertex_count; ++v) {
+    const auto first = sides.values.begin() + sides.offsets[v], last = sides.values.begin() + sides.offsets[v + 1];
+    const auto high = [&ends_of](int side) { return ends_of(side).second; };
+    std::sort(first, last, [&high](int a, int b) { return std::pair(high(a), a) < std::pair(high(b), b); });
+    for (auto one = first; one != last;) {
+      const auto after = std::find_if(one, last, [&](int side) { return high(side) != high(*one); });
+      if (after - one == 2) {
+        partner[one[0]] = one[1];
+        partner[one[1]] = one[0];
+      }
+      one = after;
+    }
+  }
+  return partner;
+}
+
 using Edge = std::pair<unsigned, unsigned>;
 
 std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
@@ -178,20 +139,20 @@ std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
       }
     }
   };
-  const std::size_t n = corners.empty() ? 0 : *std::max_element(corners.begin(), corners.end()) + std::size_t{1};
-  std::vector<unsigned> end(n + 1, 0);
-  each_edge([&](unsigned a, unsigned) { ++end[a + 1]; });
-  std::partial_sum(end.begin(), end.end(), end.begin());
-  std::vector<unsigned> larger(end.back());
-  each_edge([&](unsigned a, unsigned b) { larger[end[a]++] = b; });
+  const int n = corners.empty() ? 0 : static_cast<int>(*std::max_element(corners.begin(), corners.end())) + 1;
+  CompressedRows larger = lists_of(n, [&each_edge](const auto& use) {
+    each_edge([&use](unsigned a, unsigned b) { use(static_cast<int>(a), static_cast<int>(b)); });
+  });
   std::vector<Edge> edges;
   Checkpoints checkpoints;
-  for (std::size_t a = 0, first = 0; a < n; first = end[a++]) {
+  for (int a = 0; a < n; ++a) {
     checkpoints();
-    std::sort(larger.begin() + static_cast<std::ptrdiff_t>(first), larger.begin() + end[a]);
-    for (std::size_t i = first; i < end[a]; ++i) {
-      if ((i == first || larger[i - 1] != larger[i]) && (i + 1 == end[a] || larger[i + 1] != larger[i])) {
-        edges.emplace_back(static_cast<unsigned>(a), larger[i]);
+    int* const first = larger.values.data() + larger.offsets[a];
+    int* const last = larger.values.data() + larger.offsets[a + 1];
+    std::sort(first, last);
+    for (const int* b = first; b < last; ++b) {
+      if ((b == first || b[-1] != *b) && (b + 1 == last || b[1] != *b)) {
+        edges.emplace_back(static_cast<unsigned>(a), static_cast<unsigned>(*b));
       }
     }
   }
@@ -230,6 +191,61 @@ Chains border_of(const std::vector<unsigned>& corners) {
     chains.lengths.push_back(static_cast<int>(chains.vertices.size() - first));
   }
   return chains;
+}
+
+namespace {
+
+/// Components of a mesh that are connected by faces.
+struct Pieces {
+  int count = 0, largest = 0;  // the number of vertices of the largest
+  int loose = 0;               // vertices without a face
+};
+
+Pieces pieces_of(int vertices, const Faces& faces) {
+  const Adjacency adjacency = build_adjacency(vertices, faces);
+  std::vector<int> labels;
+  std::vector<int> sizes(connected_components(adjacency.neighbours, labels), 0);
+  Pieces pieces;
+  for (int v = 0; v < vertices; ++v) {
+    if (adjacency.faces[v].size() == 0) {
+      ++pieces.loose;
+    } else {
+      pieces.largest = std::max(pieces.largest, ++sizes[labels[v]]);
+    }
+  }
+  pieces.count = static_cast<int>(sizes.size()) - pieces.loose;
+  return pieces;
+}
+
+}  // namespace
+
+MeshSummary summary_of(const TriangleMesh& mesh) {
+  MeshSummary summary;
+  summary.vertices = static_cast<int>(mesh.vertices.rows());
+  summary.faces = static_cast<int>(mesh.faces.rows());
+  summary.box = bounding_box(mesh.vertices);
+  if (summary.faces > 0) {
+    validate(mesh);
+  }
+  Faces faces = mesh.faces;
+  keep_distinct(faces);
+  summary.ignored = summary.faces - static_cast<int>(faces.rows());
+  const Pieces pieces = pieces_of(summary.vertices, faces);
+  summary.loose = pieces.loose;
+  summary.pieces = pieces.count;
+  summary.largest_piece = pieces.largest;
+  const std::vector<Edge> edges = single_edges({faces.data(), faces.data() + faces.size()});
+  summary.border_edges = static_cast<int>(edges.size());
+  Faces border(summary.border_edges, 3);
+  for (int e = 0; e < summary.border_edges; ++e) {
+    const auto a = static_cast<int>(edges[e].first), b = static_cast<int>(edges[e].second);
+    border.row(e) << a, b, b;
+  }
+  summary.borders = pieces_of(summary.vertices, border).count;
+  for (int v = 0; v < summary.vertices; ++v) {
+    summary.not_finite += mesh.vertices.row(v).allFinite() ? 0 : 1;
+  }
+  return summary;
 }
 
 }  // namespace lapedit

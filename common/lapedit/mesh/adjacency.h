@@ -16,8 +16,7 @@ struct Adjacency {
 };
 
 /// Builds the adjacency. Degenerate faces contribute only edges between different vertices. O(vertices + faces).
-/// @param threads  0: as many as the machine has; the result does not depend on it
-Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads = 0);
+Adjacency build_adjacency(int vertex_count, const Faces& faces);
 
 /// Labels the connected components of a graph 0, 1, ... in the order of their lowest vertices. Rows have to be
 /// ascending, and each edge has to be in the rows of both of its ends.
@@ -26,6 +25,10 @@ Adjacency build_adjacency(int vertex_count, const Faces& faces, int threads = 0)
 /// @return        the number of components
 int connected_components(const CompressedRows& neighbours, std::vector<int>& labels,
                          const std::vector<char>& kinds = {});
+
+/// Returns for each side of a face, number 3 f + s from corner s to the next one, the other side of the same edge; -1
+/// unless the edge has exactly two sides. O(faces)
+std::vector<int> paired_sides(int vertex_count, const Faces& faces);
 
 /// Concatenated paths along edges; a closed one ends with its first vertex.
 struct Chains {
@@ -40,5 +43,19 @@ std::vector<std::pair<unsigned, unsigned>> single_edges(const std::vector<unsign
 /// Returns the outline of some faces: the edges that belong to exactly one of them, joined to chains. O(faces log
 /// faces)
 Chains border_of(const std::vector<unsigned>& corners);
+
+/// Counts and extent of a mesh, for laplacian-edit --info.
+struct MeshSummary {
+  int vertices = 0, faces = 0;
+  int ignored = 0;                    ///< faces that keep_distinct() removes; the following counts are without them
+  int loose = 0;                      ///< vertices without a face
+  int not_finite = 0;                 ///< vertices with a coordinate that is NaN or infinite
+  int pieces = 0, largest_piece = 0;  ///< components connected by faces; number of vertices of the largest
+  int borders = 0, border_edges = 0;  ///< connected lines of edges that have one face; number of these edges
+  Eigen::AlignedBox3d box;            ///< of all finite vertices; may be empty
+};
+
+/// @throws EditError as validate() for corners out of range. O(n log n)
+MeshSummary summary_of(const TriangleMesh& mesh);
 
 }  // namespace lapedit

@@ -39,41 +39,20 @@ int largest_label(const std::vector<int>& labels, int count) {
 }
 
 /// Returns which faces have to be flipped so that those that share an edge of two faces agree with the first one.
-/// @param neighbours  with the edges of the faces. Cost: O(faces)
-std::vector<char> flips_of(const Faces& faces, const CompressedRows& neighbours) {
-  struct Edge {
-    int count = 0;
-    std::array<int, 2> sides{};  // 3 * face + corner where it begins
-  };
-  std::vector<Edge> edges(neighbours.values.size());
-  for (int side = 0; side < static_cast<int>(faces.size()); ++side) {
-    const int a = faces(side / 3, side % 3), b = faces(side / 3, (side + 1) % 3);
-    const CompressedRows::Row row = neighbours[std::min(a, b)];
-    const auto found = std::lower_bound(row.begin(), row.end(), std::max(a, b));
-    if (found != row.end() && *found == std::max(a, b)) {
-      Edge& edge = edges[&*found - neighbours.values.data()];
-      edge.sides[edge.count == 0 ? 0 : 1] = side;
-      ++edge.count;
-    }
-  }
-  std::vector<int> across(static_cast<std::size_t>(faces.size()), -1);  // side -> 2 * face, + 1 if the two disagree
-  for (const Edge& edge : edges) {
-    const auto [a, b] = edge.sides;
-    if (edge.count == 2) {
-      const int disagree = faces(a / 3, a % 3) == faces(b / 3, b % 3) ? 1 : 0;
-      across[a] = b / 3 * 2 + disagree;
-      across[b] = a / 3 * 2 + disagree;
-    }
-  }
+/// Cost: O(faces)
+std::vector<char> flips_of(int vertex_count, const Faces& faces) {
+  const std::vector<int> partner = paired_sides(vertex_count, faces);
+  const auto corner = [&faces](int side) { return faces(side / 3, side % 3); };
   std::vector<char> flips(static_cast<std::size_t>(faces.rows()), 0), seen = flips;
-  for (std::size_t f = 0; f < flips.size(); ++f) {
-    std::vector<std::size_t> queue(seen[f] ? 0 : 1, f);
+  for (int f = 0; f < static_cast<int>(flips.size()); ++f) {
+    std::vector<int> queue(seen[f] ? 0 : 1, f);
     for (std::size_t head = 0; head < queue.size(); ++head) {
-      seen[queue[head]] = 1;
-      for (std::size_t k = 3 * queue[head]; k < 3 * queue[head] + 3; ++k) {
-        if (const int g = across[k] / 2; across[k] >= 0 && !std::exchange(seen[g], 1)) {
-          flips[g] = flips[queue[head]] ^ (across[k] % 2);
-          queue.push_back(g);
+      const int face = queue[head];
+      seen[face] = 1;
+      for (int side = 3 * face; side < 3 * face + 3; ++side) {
+        if (const int other = partner[side]; other >= 0 && !std::exchange(seen[other / 3], 1)) {
+          flips[other / 3] = flips[face] ^ (corner(side) == corner(other) ? 1 : 0);
+          queue.push_back(other / 3);
         }
       }
     }
@@ -160,7 +139,7 @@ void LinkSearch::find_walls() {
   const Vector3 margin = Vector3::Constant(2 * gap_), centre = reach.center();
   reach = Eigen::AlignedBox3d(reach.min() - margin, reach.max() + margin);
   Faces faces = mesh_.faces;
-  const std::vector<char> flips = flips_of(faces, neighbours_);
+  const std::vector<char> flips = flips_of(static_cast<int>(points_.rows()), faces);
   std::vector<double> volumes(is_open_.size(), 0);
   std::vector<char> disagrees(is_open_.size(), 0);
   double volume = 0;

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "lapedit/mesh/surface_index.h"
+
 namespace lapedit {
 namespace {
 
@@ -25,34 +27,8 @@ std::pair<int, int> ascending(int a, int b) {
   return {std::min(a, b), std::max(a, b)};
 }
 
-/// Sets the weights of the point of a triangle that is nearest to a point. Source: C. Ericson, Real-time collision
-/// detection, 2005, section 5.1.5.
-void nearest_on_face(const Corners& x, std::array<double, 4>& weights) {
-  const Vector3 &p = x[0], &a = x[1], &b = x[2], &c = x[3];
-  const Vector3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
-  const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-  double v = 0, w = 0;
-  if (d1 <= 0 && d2 <= 0) {
-  } else if (d3 >= 0 && d4 <= d3) {
-    v = 1;
-  } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    v = d1 / (d1 - d3);
-  } else if (d6 >= 0 && d5 <= d6) {
-    w = 1;
-  } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    w = d2 / (d2 - d6);
-  } else if (va <= 0 && d4 >= d3 && d5 >= d6) {
-    w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    v = 1 - w;
-  } else if (va + vb + vc > 0) {
-    v = vb / (va + vb + vc);
-    w = vc / (va + vb + vc);
-  }
-  weights = {1, v + w - 1, -v, -w};
-}
-
-/// The same for two segments (section 5.1.9).
+/// Sets the weights of the nearest points of two segments. Source: C. Ericson, Real-time collision detection, 2005,
+/// section 5.1.9.
 void nearest_of_edges(const Corners& x, std::array<double, 4>& weights) {
   const Vector3 d1 = x[1] - x[0], d2 = x[3] - x[2], r = x[0] - x[2];
   const double a = d1.squaredNorm(), e = d2.squaredNorm(), f = d2.dot(r), c = d1.dot(r), b = d1.dot(d2);
@@ -69,13 +45,26 @@ void nearest_of_edges(const Corners& x, std::array<double, 4>& weights) {
 
 /// Sets the weights of nearest points. @return the vector between them
 Vector3 nearest(const Corners& x, bool edges, std::array<double, 4>& weights) {
-  edges ? nearest_of_edges(x, weights) : nearest_on_face(x, weights);
+  if (edges) {
+    nearest_of_edges(x, weights);
+  } else {
+    const Vector3 on_face = nearest_weights(x[0], x[1], x[2], x[3]);
+    weights = {1, -on_face[0], -on_face[1], -on_face[2]};
+  }
   return weights[0] * x[0] + weights[1] * x[1] + weights[2] * x[2] + weights[3] * x[3];
 }
 
 Corners corners(const Contact& contact, const Points& at) {
   return {row(at, contact.vertices[0]), row(at, contact.vertices[1]), row(at, contact.vertices[2]),
           row(at, contact.vertices[3])};
+}
+
+/// Sets nearest points, normal and distance. @return whether the distance is not zero
+bool place(Contact& contact, const Corners& x) {
+  contact.normal = nearest(x, contact.edges, contact.weights);
+  contact.distance = contact.normal.norm();
+  contact.normal /= contact.distance > 0 ? contact.distance : 1;
+  return contact.distance > 0;
 }
 
 double volume(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
@@ -427,23 +416,25 @@ double ContactSurface::gap_of(const Contact& contact) const {
 }
 
 bool ContactSurface::update(Contact& contact, const Points& at) {
-  contact.normal = nearest(corners(contact, at), contact.edges, contact.weights);
-  contact.distance = contact.normal.norm();
-  contact.normal /= contact.distance > 0 ? contact.distance : 1;
-  return contact.distance > 0;
+  return place(contact, corners(contact, at));
 }
 
-/// Finds what crosses at rest, unless it is known.
-void ContactSurface::find_crossings(ThreadPool& pool) {
-  if (!crosses_.empty()) {
-    return;
-  }
-  bound(rest_, rest_, pool);
-  const auto found = each_pair<std::pair<int, int>>(pool, [&](int f, int g, auto& pairs) {
-    if (cross(rest_, faces_.row(f).transpose(), faces_.row(g).transpose())) {
+/// Returns the pairs of faces that cross, without those known to be exempt.
+std::vector<std::pair<int, int>> ContactSurface::crossings(const Points& at, ThreadPool& pool) {
+  bound(at, at, pool);
+  return each_pair<std::pair<int, int>>(pool, [&](int f, int g, auto& pairs) {
+    if (cross(at, faces_.row(f).transpose(), faces_.row(g).transpose())) {
       pairs.push_back({f, g});
     }
   });
+}
+
+/// Finds what crosses at rest, unless it is known.
+void ContactSurface::find_exempt(ThreadPool& pool) {
+  if (!crosses_.empty()) {
+    return;
+  }
+  const auto found = crossings(rest_, pool);
   crosses_.assign(static_cast<std::size_t>(faces_.rows()), 0);
   std::vector<char> at(static_cast<std::size_t>(rest_.rows()), 0);
   for (const auto& [f, g] : found) {
@@ -462,40 +453,34 @@ void ContactSurface::find_crossings(ThreadPool& pool) {
 }
 
 bool ContactSurface::is_clear(const Points& at, ThreadPool& pool) {
-  using Pair = std::pair<int, int>;
-  bound(at, at, pool);
-  const std::vector<Pair> found = each_pair<Pair>(pool, [&](int f, int g, std::vector<Pair>& pairs) {
-    if (cross(at, faces_.row(f).transpose(), faces_.row(g).transpose())) {
-      pairs.push_back({f, g});
-    }
-  });
+  const auto found = crossings(at, pool);
   if (!found.empty()) {
-    find_crossings(pool);
+    find_exempt(pool);
   }
-  return std::all_of(found.begin(), found.end(), [&](const Pair& pair) { return is_exempt(pair.first, pair.second); });
+  return std::all_of(found.begin(), found.end(), [&](const auto& pair) { return is_exempt(pair.first, pair.second); });
 }
 
 Sweep ContactSurface::sweep(const Points& from, const Points& to, ThreadPool& pool) {
-  find_crossings(pool);
+  find_exempt(pool);
   bound(from, to, pool);
   Sweep sweep;
   sweep.contacts = each_pair<Contact>(pool, [&](int f, int g, std::vector<Contact>& found) {
     each_feature(f, g, [&](Contact contact) {
       const Corners before = corners(contact, from);
       const double distance = nearest(before, contact.edges, contact.weights).norm();
-      double most = 0, other = 0;
+      double most = 0;
       const Corners after = corners(contact, to);
       const Vector3 with = after[0] - before[0];
       for (int k = 1; k < 4; ++k) {
         most = std::max(most, (after[k] - before[k] - with).norm());
       }
-      other = contact.edges ? most : 0;
-      if (distance - most - other >= gap_) {
+      const double nearer = distance - (contact.edges ? 2 * most : most);
+      if (nearer >= gap_) {
         return;
       }
       contact.gap = gap_of(contact);
       contact.distance = distance;
-      if (!(contact.gap > 0) || distance - most - other >= contact.gap) {
+      if (!(contact.gap > 0) || nearer >= contact.gap) {
         return;
       }
       const double safe = safe_part(contact, before, after, std::min(kLeast * contact.gap, 0.5 * distance));
@@ -504,10 +489,7 @@ Sweep ContactSurface::sweep(const Points& from, const Points& to, ThreadPool& po
       for (int k = 0; k < 4; ++k) {
         x[k] = before[k] + at * (after[k] - before[k]);
       }
-      contact.normal = nearest(x, contact.edges, contact.weights);
-      contact.distance = contact.normal.norm();
-      if (contact.distance > 0 && (safe < 1 || contact.distance < contact.gap)) {
-        contact.normal /= contact.distance;
+      if (place(contact, x) && (safe < 1 || contact.distance < contact.gap)) {
         contact.safe = safe;
         found.push_back(contact);
       }

@@ -69,7 +69,8 @@ class ContactSurface {
 
   int build(int first, int last, const Points& centres, Patches& patches);
   void bound(const Points& from, const Points& to, ThreadPool& pool);
-  void find_crossings(ThreadPool& pool);
+  std::vector<std::pair<int, int>> crossings(const Points& at, ThreadPool& pool);
+  void find_exempt(ThreadPool& pool);
   bool may_touch(const Bounds& a, const Bounds& b) const;
   bool is_smooth(int node) const;
   bool is_exempt(int f, int g) const;

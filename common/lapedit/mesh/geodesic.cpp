@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/mesh/geodesic.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <queue>
 #include <unordered_map>
 
 #include "lapedit/base/simd.h"
+#include "lapedit/base/whole_part.h"
 
 namespace lapedit {
 namespace {
@@ -339,6 +342,129 @@ void DistanceField::advance(Front& front, double end) {
     }
   }
   checkpoint(static_cast<int>(front.near.size()));  // a front may be too small for the loop's own
+}
+
+void distance_contour(const TriangleMesh& mesh, const Adjacency& adjacency, const GeodesicSearch& search, double radius,
+                      const std::vector<int>& reached, std::vector<double>& scratch, Points& segments) {
+  scratch.clear();
+  for (const int v : reached) {
+    if (search.distance(v) > radius) {
+      break;  // nearest first
+    }
+    for (const int f : adjacency.faces[v]) {
+      double distance[3];
+      int lowest = -1;
+      for (int k = 0; k < 3; ++k) {
+        const int corner = mesh.faces(f, k);
+        distance[k] = search.distance(corner);
+        if (distance[k] <= radius && (lowest < 0 || corner < lowest)) {
+          lowest = corner;
+        }
+      }
+      const int inside = static_cast<int>(std::count_if(distance, distance + 3, [&](double d) { return d <= radius; }));
+      if (lowest != v || inside == 3) {
+        continue;  // each face once, at its lowest corner inside
+      }
+      for (int k = 0; k < 3; ++k) {
+        int from = k, to = (k + 1) % 3;
+        if ((distance[from] <= radius) == (distance[to] <= radius)) {
+          continue;
+        }
+        if (distance[from] > radius) {
+          std::swap(from, to);
+        }
+        const Vector3 start = mesh.vertices.row(mesh.faces(f, from)), end = mesh.vertices.row(mesh.faces(f, to));
+        // The distance of a vertex that the search did not reach is that along the edge.
+        const double beyond = std::min(distance[to], distance[from] + (end - start).norm());
+        const double fraction = beyond > distance[from] ? (radius - distance[from]) / (beyond - distance[from]) : 0;
+        const Vector3 position = start + std::clamp(fraction, 0.0, 1.0) * (end - start);
+        scratch.insert(scratch.end(), position.data(), position.data() + 3);
+      }
+    }
+  }
+  segments = Eigen::Map<const Points>(scratch.data(), static_cast<Eigen::Index>(scratch.size() / 3), 3);
+}
+
+namespace {
+
+constexpr int kRadii = 96;
+
+/// Length of the border and area of discs of kRadii radii.
+struct Profile {
+  double step = 0;
+  std::array<double, kRadii + 1> length{}, area{};
+
+  /// Adds the area of a face, and the length in it, that discs cover. @param d  ascending distances of its corners p
+  void add(const std::array<double, 3>& d, const std::array<Vector3, 3>& p) {
+    const double face = (p[1] - p[0]).cross(p[2] - p[0]).norm() / 2;
+    const double span = d[2] - d[0];
+    const double widest = span > 0 ? (p[0] + (d[1] - d[0]) / span * (p[2] - p[0]) - p[1]).norm() : 0;
+    for (int k = whole_part(std::ceil(d[0] / step), 0, kRadii + 1); k <= kRadii; ++k) {
+      const double r = k * step;
+      if (r >= d[2]) {
+        whole_[k] += face;
+        return;
+      }
+      const bool near = r < d[1];
+      const double part = near ? (r - d[0]) / (d[1] - d[0]) : (d[2] - r) / (d[2] - d[1]);
+      length[k] += part * widest;
+      area[k] += near ? face * part * (r - d[0]) / span : face * (1 - part * (d[2] - r) / span);
+    }
+  }
+  /// Adds each face that a disc covers wholly to this and all larger discs.
+  void finish() {
+    double sum = 0;
+    for (int k = 0; k <= kRadii; ++k) {
+      sum += whole_[k];
+      area[k] += sum;
+    }
+  }
+
+ private:
+  std::array<double, kRadii + 1> whole_{};
+};
+
+}  // namespace
+
+double protrusion_radius(const TriangleMesh& mesh, const Adjacency& adjacency, const GeodesicSearch& search,
+                         const std::vector<int>& reached, double smallest, double largest, double whole) {
+  constexpr double kNarrow = 0.6, kSpreads = 1.5, kSame = 1.15, kMostOfPiece = 0.25;
+  constexpr double kPlane = 12.566370614359172;
+  Profile profile;
+  profile.step = std::min(largest, reached.empty() ? 0 : search.distance(reached.back())) / kRadii;
+  if (!(profile.step > 0)) {
+    return 0;
+  }
+  for (const int v : reached) {
+    for (const int f : adjacency.faces[v]) {
+      std::array<int, 3> corners{mesh.faces(f, 0), mesh.faces(f, 1), mesh.faces(f, 2)};
+      std::sort(corners.begin(), corners.end(),
+                [&](int a, int b) { return std::pair(search.distance(a), a) < std::pair(search.distance(b), b); });
+      if (corners[0] != v || !(search.distance(corners[2]) < kUnreached)) {
+        continue;  // each face once
+      }
+      std::array<double, 3> d{};
+      std::array<Vector3, 3> p;
+      for (int k = 0; k < 3; ++k) {
+        d[k] = search.distance(corners[k]);
+        p[k] = mesh.vertices.row(corners[k]).transpose();
+      }
+      profile.add(d, p);
+    }
+  }
+  profile.finish();
+  double narrowest = kNarrow;
+  int last = -1;  // index of the largest radius that is about as narrow
+  for (int k = whole_part(std::ceil(smallest / profile.step), 1, kRadii + 1); k <= kRadii; ++k) {
+    const double ratio = profile.area[k] > 0 ? profile.length[k] * profile.length[k] / (kPlane * profile.area[k]) : 1;
+    if (ratio <= kSame * narrowest) {
+      narrowest = std::min(narrowest, ratio);
+      last = k;
+    } else if (last >= 0 && ratio >= kSpreads * narrowest) {
+      return profile.area[last] <= kMostOfPiece * whole ? last * profile.step : 0;
+    }
+  }
+  return 0;
 }
 
 }  // namespace lapedit

@@ -15,8 +15,38 @@
 namespace lapedit {
 namespace {
 
-/// Returns barycentric coordinates of the nearest point of a triangle (C. Ericson, Real-Time Collision Detection, 2005,
-/// 5.1.5). In a triangle without area the nearest point is on an edge.
+Points centres_of(const Points& points, const Faces& faces) {
+  Points centres(faces.rows(), 3);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    centres.row(f) = (points.row(faces(f, 0)) + points.row(faces(f, 1)) + points.row(faces(f, 2))) / 3;
+  }
+  return centres;
+}
+
+/// Returns the first corner of a face by position, so that what depends on the order of corners is the same however
+/// they are numbered.
+int first_corner(const Points& points, const Faces& faces, int face) {
+  const auto position = [&](int k) {
+    const auto row = points.row(faces(face, k));
+    return std::array{row[0], row[1], row[2]};
+  };
+  int first = position(1) < position(0) ? 1 : 0;
+  first = position(2) < position(first) ? 2 : first;
+  return first;
+}
+
+/// Spreads the lower 21 bits of a number to every third bit.
+std::uint64_t spread(std::uint64_t x) {
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+}  // namespace
+
+/// Source: C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
 Vector3 nearest_weights(const Vector3& p, const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -51,37 +81,6 @@ Vector3 nearest_weights(const Vector3& p, const Vector3& a, const Vector3& b, co
   const double sum = va + vb + vc;
   return {va / sum, vb / sum, vc / sum};
 }
-
-Points centres_of(const Points& points, const Faces& faces) {
-  Points centres(faces.rows(), 3);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    centres.row(f) = (points.row(faces(f, 0)) + points.row(faces(f, 1)) + points.row(faces(f, 2))) / 3;
-  }
-  return centres;
-}
-
-/// Returns the first corner of a face by position, so that what depends on the order of corners is the same however
-/// they are numbered.
-int first_corner(const Points& points, const Faces& faces, int face) {
-  const auto position = [&](int k) {
-    const auto row = points.row(faces(face, k));
-    return std::array{row[0], row[1], row[2]};
-  };
-  int first = position(1) < position(0) ? 1 : 0;
-  first = position(2) < position(first) ? 2 : first;
-  return first;
-}
-
-/// Spreads the lower 21 bits of a number to every third bit.
-std::uint64_t spread(std::uint64_t x) {
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
-}  // namespace
 
 std::vector<int> order_by_position(const Points& points) {
   constexpr double kCells = 0x1p21 - 1;

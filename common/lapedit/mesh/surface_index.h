@@ -15,6 +15,10 @@ struct NearestPoint {
   Vector3 weights = Vector3::Zero();  ///< barycentric, exactly 0 for corners that the point does not depend on
 };
 
+/// Returns barycentric coordinates of the point of a triangle abc that is nearest to p. In a triangle without area it
+/// is on an edge.
+Vector3 nearest_weights(const Vector3& p, const Vector3& a, const Vector3& b, const Vector3& c);
+
 /// Returns the rows in the order of a space-filling curve (G. Morton 1966), which depends on positions alone.
 /// All are finite.
 std::vector<int> order_by_position(const Points& points);

@@ -42,10 +42,10 @@ Points centres(const Region& region, const Points& positions) {
   return result;
 }
 
-/// Returns whether a surface of this area is far from flat.
-bool is_thick(double volume, double area) {
+/// Returns whether a surface is far from flat.
+bool is_thick(const ComponentVolume& one) {
   constexpr double kBody = 0.01;  // of area^(3/2); a ball has 0.094, a slender limb 0.04
-  return std::abs(volume) > kBody * std::pow(area, 1.5);
+  return std::abs(one.volume) > kBody * std::pow(one.area, 1.5);
 }
 
 /// Returns the normal, with twice the area as its length.
@@ -229,28 +229,6 @@ int flipped_triangles(const Region& region, const Points& before, const Points& 
   return count;
 }
 
-double enclosed_volume(const Region& region, const Points& positions) {
-  const Points from = centres(region, positions);
-  double sum = 0;
-  Checkpoints checkpoints;
-  for (const auto& face : region.faces.rowwise()) {
-    checkpoints();
-    const auto centre = from.row(region.component[face[0]]);
-    const Vector3 a = positions.row(face[0]) - centre, b = positions.row(face[1]) - centre,
-                  c = positions.row(face[2]) - centre;
-    sum += a.dot(b.cross(c)) / 6;
-  }
-  return sum;
-}
-
-bool encloses_a_body(const Region& region, const Points& positions, double volume) {
-  double twice_area = 0;
-  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
-    twice_area += face_normal(positions, region.faces, f).norm();
-  }
-  return is_thick(volume, twice_area / 2);
-}
-
 /// The area normals of a closed surface sum to zero. Those of an open one sum to the negative area normals of caps over
 /// its holes.
 std::vector<ComponentVolume> component_volumes(const Region& region, const Points& positions) {
@@ -258,7 +236,6 @@ std::vector<ComponentVolume> component_volumes(const Region& region, const Point
   const Points from = centres(region, positions);
   const std::size_t count = region.anchored.size();
   std::vector<ComponentVolume> result(count);
-  std::vector<double> area(count, 0);
   std::vector<Vector3> cap(count, Vector3::Zero());
   Checkpoints checkpoints;
   for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
@@ -267,13 +244,23 @@ std::vector<ComponentVolume> component_volumes(const Region& region, const Point
     const Vector3 normal = face_normal(positions, region.faces, f);
     const Vector3 corner = positions.row(region.faces(f, 0)).transpose();
     result[c].volume += (corner - from.row(c).transpose()).dot(normal) / 6;
-    area[c] += normal.norm() / 2;
+    result[c].area += normal.norm() / 2;
     cap[c] += normal / 2;
   }
   for (std::size_t c = 0; c < count; ++c) {
-    result[c].is_body = is_thick(result[c].volume, area[c]) && cap[c].norm() < kCap * area[c];
+    result[c].is_body = is_thick(result[c]) && cap[c].norm() < kCap * result[c].area;
   }
   return result;
+}
+
+ComponentVolume enclosed_volume(const Region& region, const Points& positions) {
+  ComponentVolume sum;
+  for (const ComponentVolume& one : component_volumes(region, positions)) {
+    sum.volume += one.volume;
+    sum.area += one.area;
+  }
+  sum.is_body = is_thick(sum);
+  return sum;
 }
 
 bool moved_rigidly(const Region& region, const Points& before, const Points& after, double rounding) {
@@ -330,36 +317,17 @@ bool measure(const std::array<Vector3, 3>& corners, FaceShape& shape) {
   return true;
 }
 
-namespace {
-
 constexpr int kVerticesPerPiece = 4096;
 
-}  // namespace
-
 VertexStretch::VertexStretch(const Region& region, const Points& rest)
-    : stretch_(static_cast<std::size_t>(region.size()), 0.0F), pool_(region.size() < 4 * kVerticesPerPiece ? 1 : 0) {
-  std::vector<std::pair<int, int>> edges;
-  edges.reserve(2 * static_cast<std::size_t>(region.faces.size()));
-  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = region.faces(f, k), b = region.faces(f, (k + 1) % 3);
-      if (a != b) {
-        edges.emplace_back(a, b);
-        edges.emplace_back(b, a);
-      }
+    : edges_(build_adjacency(region.size(), region.faces).neighbours),
+      stretch_(static_cast<std::size_t>(region.size()), 0.0F),
+      pool_(region.size() < 4 * kVerticesPerPiece ? 1 : 0) {
+  for (int a = 0; a < region.size(); ++a) {
+    for (const int b : edges_[a]) {
+      const double length = (rest.row(region.mesh_vertex[a]) - rest.row(region.mesh_vertex[b])).stableNorm();
+      inverse_rest_.push_back(static_cast<float>(length > 0 && std::isfinite(1 / length) ? 1 / length : 0));
     }
-  }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  offsets_.assign(stretch_.size() + 1, 0);
-  for (const auto& [a, b] : edges) {
-    ++offsets_[a + 1];
-    ends_.push_back(b);
-    const double length = (rest.row(region.mesh_vertex[a]) - rest.row(region.mesh_vertex[b])).stableNorm();
-    inverse_rest_.push_back(static_cast<float>(length > 0 && std::isfinite(1 / length) ? 1 / length : 0));
-  }
-  for (std::size_t i = 0; i < stretch_.size(); ++i) {
-    offsets_[i + 1] += offsets_[i];
   }
 }
 
@@ -367,8 +335,8 @@ const std::vector<float>& VertexStretch::of(const Points& pose) {
   in_pieces(pool_, static_cast<int>(stretch_.size()), kVerticesPerPiece, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       float most = 0;
-      for (int e = offsets_[i]; e < offsets_[i + 1]; ++e) {
-        const auto length = static_cast<float>((pose.row(i) - pose.row(ends_[e])).norm());
+      for (int e = edges_.offsets[i]; e < edges_.offsets[i + 1]; ++e) {
+        const auto length = static_cast<float>((pose.row(i) - pose.row(edges_.values[e])).norm());
         const float ratio = length * inverse_rest_[e];
         if (inverse_rest_[e] > 0 && std::isfinite(ratio)) {
           const float change = ratio >= 1 ? std::min(ratio - 1, kMost) : std::max(1 - 1 / ratio, -kMost);

@@ -47,22 +47,18 @@ bool is_flipped(const Region& region, Eigen::Index face, const Points& before, c
 int flipped_triangles(const Region& region, const Points& before, const Points& after,
                       const std::vector<Matrix3>& rotations);
 
-/// Returns the volume of the cones from the border's centroid to the faces, per component, in cubic model units: the
-/// enclosed volume of closed components, positive if normals point outwards. A rigid motion does not change it. If the
-/// border does not move, its change is that of the body's volume. Cost: O(faces).
-double enclosed_volume(const Region& region, const Points& positions);
-
-/// Returns whether a percentage of the enclosed volume is meaningful, as it is not in a nearly flat region. O(faces)
-bool encloses_a_body(const Region& region, const Points& positions, double volume);
-
-/// The volume of a component as enclosed_volume() has it, and whether its surface is closed, or open at so small holes
-/// that it has an inside and an outside.
+/// The volume of the cones from the centroid of a component's border to its faces, cubic model units: the enclosed
+/// volume of a closed component, positive if normals point outwards. A rigid motion does not change it. If the border
+/// does not move, its change is that of the body's volume.
 struct ComponentVolume {
-  double volume = 0;
-  bool is_body = false;
+  double volume = 0, area = 0;
+  bool is_body = false;  ///< far from flat, and closed or open at so small holes that it has an inside and an outside
 };
 /// Returns one entry per component of the region. Cost: O(faces).
 std::vector<ComponentVolume> component_volumes(const Region& region, const Points& positions);
+
+/// Returns the sum over all components, of which `is_body` says only whether it is far from flat.
+ComponentVolume enclosed_volume(const Region& region, const Points& positions);
 
 /// Returns whether a rigid motion takes each component to its new positions, within `rounding` (model units) plus 3e-4
 /// of the component's extent, which is too small to be seen. Cost: O(vertices).
@@ -94,7 +90,7 @@ class VertexStretch {
   static constexpr float kMost = 1e6F;
 
  private:
-  std::vector<int> offsets_, ends_;  // edges per vertex
+  CompressedRows edges_;
   std::vector<float> inverse_rest_;  // 1 / length of each at rest, 0 without one
   std::vector<float> stretch_;
   ThreadPool pool_;

@@ -5,8 +5,9 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <numeric>
+#include <utility>
 
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/base/error.h"
 
 namespace lapedit {
@@ -60,28 +61,21 @@ bool keep_distinct(Faces& faces) {
     std::sort(corners.begin(), corners.end());
     return corners;
   };
-  // Lists the faces by their lowest corners, with their other corners.
-  const auto each_listed = [&](const auto& list) {
-    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+  CompressedRows by_lowest = lists_of(faces.rows() > 0 ? faces.maxCoeff() + 1 : 0, [&](const auto& use) {
+    for (int f = 0; f < static_cast<int>(faces.rows()); ++f) {
       if (const auto [a, b, c] = corners_of(f); a != b && b != c) {
-        list(a, std::array<int, 3>{b, c, static_cast<int>(f)});
+        use(a, f);
       }
     }
-  };
-  std::vector<int> end(faces.rows() > 0 ? static_cast<std::size_t>(faces.maxCoeff()) + 2 : 1, 0);
-  each_listed([&end](int a, const auto&) { ++end[static_cast<std::size_t>(a) + 1]; });
-  std::partial_sum(end.begin(), end.end(), end.begin());
-  std::vector<std::array<int, 3>> listed(static_cast<std::size_t>(end.back()));
-  each_listed([&](int a, const auto& face) { listed[static_cast<std::size_t>(end[a]++)] = face; });
+  });
   std::vector<char> is_kept(static_cast<std::size_t>(faces.rows()), 0);
-  auto first = listed.begin();
-  for (std::size_t a = 0; a + 1 < end.size(); ++a) {
-    const auto last = listed.begin() + end[a];
-    std::sort(first, last);
-    for (auto face = first; face != last; ++face) {
-      is_kept[(*face)[2]] = face == first || (*face)[0] != face[-1][0] || (*face)[1] != face[-1][1];
+  for (int a = 0; a < by_lowest.rows(); ++a) {
+    int* const first = by_lowest.values.data() + by_lowest.offsets[a];
+    int* const last = by_lowest.values.data() + by_lowest.offsets[a + 1];
+    std::sort(first, last, [&](int f, int g) { return std::pair(corners_of(f), f) < std::pair(corners_of(g), g); });
+    for (const int* face = first; face != last; ++face) {
+      is_kept[*face] = face == first || corners_of(*face) != corners_of(face[-1]) ? 1 : 0;
     }
-    first = last;
   }
   Eigen::Index count = 0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {

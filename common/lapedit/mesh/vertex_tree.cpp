@@ -41,11 +41,9 @@ int VertexTree::build(int first, int last) {
     Eigen::Index axis = 0;
     (node.high - node.low).maxCoeff(&axis);
     const auto begin = vertices_.begin() + first, end = vertices_.begin() + last;
-    auto middle = begin;
-    if (labels_ == nullptr) {  // halves of the box are found faster, and are nearly as good where they are balanced
-      const double half = node.low[axis] / 2 + node.high[axis] / 2;
-      middle = std::partition(begin, end, [&](int v) { return points_(v, axis) < half; });
-    }
+    // Halves of the box are found faster, and are nearly as good where they are balanced.
+    const double half = node.low[axis] / 2 + node.high[axis] / 2;
+    auto middle = std::partition(begin, end, [&](int v) { return points_(v, axis) < half; });
     if (3 * std::min(middle - begin, end - middle) < end - begin) {
       middle = begin + (end - begin) / 2;
       std::nth_element(begin, middle, end,

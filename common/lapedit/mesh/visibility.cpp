@@ -45,70 +45,21 @@ bool meets(const FaceTree::Volume& box, const Vector3& origin, const Vector3& in
   return !(enter > leave || enter > last || leave < 0);  // NaN at the border: zero times infinity
 }
 
-/// Queries the tree for the first face along a ray; among equally near faces the first of the mesh.
-struct Nearest {
-  Nearest(const TriangleMesh& the_mesh, const Ray& the_ray, double limit, int the_except)
-      : mesh(the_mesh), ray(the_ray), inverse(the_ray.direction.cwiseInverse()), distance(limit), except(the_except) {}
-
-  bool intersectVolume(const FaceTree::Volume& box) const { return meets(box, ray.origin, inverse, distance); }
-
-  bool intersectObject(int other) {
-    const double t = distance_along(mesh, ray, other);
-    const bool is_nearer = t < distance || (t == distance && face >= 0 && other < face);
-    if (is_nearer && !(mesh.faces.row(other).array() == except).any()) {
-      distance = t;
-      face = other;
-    }
-    return false;
-  }
-
-  const TriangleMesh& mesh;
-  Ray ray;
-  Vector3 inverse;
-  double distance;
-  int except;
-  int face = -1;
-};
-
-/// Queries the tree whether any face except those of a vertex crosses a segment of a ray.
-struct Crossing {
-  Crossing(const TriangleMesh& the_mesh, int the_vertex, const Ray& the_ray, double the_first, double the_last)
-      : mesh(the_mesh),
-        vertex(the_vertex),
-        ray(the_ray),
-        first(the_first),
-        last(the_last),
-        inverse(the_ray.direction.cwiseInverse()) {}
-
-  bool intersectVolume(const FaceTree::Volume& box) const { return meets(box, ray.origin, inverse, last); }
-
-  bool intersectObject(int face) {
-    const double t = (mesh.faces.row(face).array() == vertex).any() ? std::numeric_limits<double>::infinity()
-                                                                    : distance_along(mesh, ray, face);
-    found = found || (t > first && t < last);
-    return found;
-  }
-
-  const TriangleMesh& mesh;
-  int vertex;
-  Ray ray;
-  double first, last;
-  Vector3 inverse;
-  bool found = false;
-};
-
-/// Runs a query on the part of a tree below a node, as Eigen::BVIntersect() does but without allocating memory. The
-/// tree must be balanced.
-/// @return whether the query ended early
-template <class Query>
-bool run(const FaceTree& tree, int node, Query& query) {
+/// Calls visit(face) for the faces below a node in boxes that a ray meets before its end, as Eigen::BVIntersect() does
+/// but without allocating memory. The tree must be balanced. @param last  the end, which visit() may change
+/// @return whether visit() returned true, which ends the search
+template <class Visit>
+bool walk(const FaceTree& tree, int node, const Ray& ray, const double& last, const Visit& visit) {
+  const Vector3 inverse = ray.direction.cwiseInverse();
   FaceTree::VolumeIterator box = {}, last_box = {};
   FaceTree::ObjectIterator face = {}, last_face = {};
   tree.getChildren(node, box, last_box, face, last_face);
-  return std::any_of(
-             box, last_box,
-             [&](int child) { return query.intersectVolume(tree.getVolume(child)) && run(tree, child, query); }) ||
-         std::any_of(face, last_face, [&](int object) { return query.intersectObject(object); });
+  return std::any_of(box, last_box,
+                     [&](int child) {
+                       return meets(tree.getVolume(child), ray.origin, inverse, last) &&
+                              walk(tree, child, ray, last, visit);
+                     }) ||
+         std::any_of(face, last_face, visit);
 }
 
 }  // namespace
@@ -149,15 +100,27 @@ bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex
   // Ends at the near plane, which clips everything before it: the viewer may be inside the mesh.
   const Ray through = view.ray(view.pixel(position));
   const double reach = (position - through.origin).dot(through.direction);
-  Crossing crossing(mesh, vertex, {position, -through.direction}, impl_->same_position, reach);
-  run(impl_->faces, impl_->faces.getRootIndex(), crossing);
-  return !crossing.found;
+  const Ray back{position, -through.direction};
+  return !walk(impl_->faces, impl_->faces.getRootIndex(), back, reach, [&](int face) {
+    const double t = distance_along(mesh, back, face);
+    return t > impl_->same_position && t < reach && !(mesh.faces.row(face).array() == vertex).any();
+  });
 }
 
 std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray, double limit, int except) const {
-  Nearest nearest(impl_->mesh, ray, limit, except);
-  run(impl_->faces, impl_->faces.getRootIndex(), nearest);
-  return nearest.face >= 0 ? std::optional(hit_of(impl_->mesh, ray, nearest.face, nearest.distance)) : std::nullopt;
+  const TriangleMesh& mesh = impl_->mesh;
+  double distance = limit;
+  int found = -1;
+  walk(impl_->faces, impl_->faces.getRootIndex(), ray, distance, [&](int face) {
+    const double t = distance_along(mesh, ray, face);
+    const bool is_nearer = t < distance || (t == distance && found >= 0 && face < found);
+    if (is_nearer && !(mesh.faces.row(face).array() == except).any()) {
+      distance = t;
+      found = face;
+    }
+    return false;
+  });
+  return found >= 0 ? std::optional(hit_of(mesh, ray, found, distance)) : std::nullopt;
 }
 
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,
