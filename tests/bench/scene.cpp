@@ -185,8 +185,7 @@ quality::Problem make_scene(int vertices) {
   }
   flip_edges(disc, 0.25, random);
 
-  quality::Edit edit;
-  lapedit::TriangleMesh& mesh = edit.mesh;
+  lapedit::TriangleMesh mesh;
   double size = 0;
   for (const Flat& point : disc.points) {
     size = std::max(size, point.norm());
@@ -211,14 +210,12 @@ quality::Problem make_scene(int vertices) {
     mesh.faces.row(static_cast<Eigen::Index>(f)) << disc.faces[f][0], disc.faces[f][1], disc.faces[f][2];
   }
 
-  edit.handles = {{number[centre]}};
-  edit.maps = {handle_move(0)};
+  const std::vector<int> handle = {number[centre]};
   const lapedit::Adjacency adjacency = lapedit::build_adjacency(vertices, mesh.faces);
   lapedit::GeodesicSearch search({mesh, adjacency});
-  const int farthest = search.run(edit.handles[0], lapedit::kUnreached).back();
-  edit.region.radius = search.distance(farthest) * (1 + 1e-12);
-  edit.region.padding = 0.1;
-  quality::Problem scene(std::move(edit));
+  lapedit::RegionSpec spec;
+  spec.radius = search.distance(search.run(handle, lapedit::kUnreached).back()) * (1 + 1e-12);
+  quality::Problem scene(std::move(mesh), std::move(spec), {handle}, {handle_move(0)});
   if (scene.region.size() != vertices) {
     throw std::runtime_error("the scene has " + std::to_string(scene.region.size()) + " region vertices, not " +
                              std::to_string(vertices));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "quality_scene.h"
+#include "peers.h"
 
 namespace speed {
 

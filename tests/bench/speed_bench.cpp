@@ -54,12 +54,11 @@ EditSettings settings_of(EditMethod method) {
 Solver make_solver(const Problem& scene, const EditSettings& settings, int threads,
                    std::shared_ptr<const Region> region = nullptr) {
   if (!region) {
-    region = lapedit::find_region(scene.edit.mesh, scene.adjacency, scene.edit.region, scene.edit.handles, {}, threads)
-                 .region;
+    region = lapedit::find_region(scene.mesh, scene.adjacency, scene.spec, scene.handles, {}, threads).region;
   }
   lapedit::StepOptions options;
   options.solver.threads = threads;
-  return std::make_unique<StepSolver>(scene.edit.mesh, lapedit::FoundRegion{std::move(region)}, settings, options);
+  return std::make_unique<StepSolver>(scene.mesh, lapedit::FoundRegion{std::move(region)}, settings, options);
 }
 
 /// As the window does it: large regions have cells in any case.
@@ -68,7 +67,7 @@ void prepare(const Problem& scene, StepSolver& solver, const lapedit::LaplacianS
   if (solver.region().size() >= kPreviewFrom) {
     solver.make_cells();
   }
-  solver.prepare(scene.edit.mesh, previous);
+  solver.prepare(scene.mesh, previous);
 }
 
 /// Returns the region with another handle, and the same anchors.
@@ -86,9 +85,9 @@ std::shared_ptr<const Region> with_handle(Region region, const std::vector<int>&
 /// The handle that the tool takes by default: a disc of a tenth of the region.
 std::vector<int> disc(const Problem& scene) {
   std::vector<int> vertices;
-  const Eigen::RowVector3d centre = scene.edit.mesh.vertices.row(scene.edit.handles[0][0]);
+  const Eigen::RowVector3d centre = scene.mesh.vertices.row(scene.handles[0][0]);
   for (const int v : scene.region.mesh_vertex) {
-    if ((scene.edit.mesh.vertices.row(v) - centre).norm() <= 0.1 * scene.edit.region.radius) {
+    if ((scene.mesh.vertices.row(v) - centre).norm() <= 0.1 * scene.spec.radius) {
       vertices.push_back(v);
     }
   }
@@ -134,11 +133,11 @@ void measure_ours(const Problem& scene, Runs& runs) {
     const double rms = (positions - pose).norm() / std::sqrt(pose.rows()) / handle_move(frame).translation().norm();
     require(rms < 0.03, "the RMS error of a frame of the cells is ", rms);
     ready->frame({handle_move(frame)}, positions);
-    const double largest = (positions - pose).cwiseAbs().maxCoeff() / scene.edit.region.radius;
+    const double largest = (positions - pose).cwiseAbs().maxCoeff() / scene.spec.radius;
     require(largest < 0.01, "the largest error of a frame is ", largest);
   }
 
-  const int home = scene.edit.handles[0][0];
+  const int home = scene.handles[0][0];
   const std::pair<const char*, std::vector<int>> others[] = {
       {"next handle: a vertex", {*scene.adjacency.neighbours[home].begin()}},
       {"next handle: the tool's disc", disc(scene)}};
@@ -155,7 +154,7 @@ void measure_ours(const Problem& scene, Runs& runs) {
 Eigen::SparseMatrix<double> normal_matrix(const Problem& scene, double weight) {
   const Region& region = scene.region;
   const Eigen::SparseMatrix<double> m =
-      lapedit::differential_operator(lapedit::LaplacianKind::Umbrella, region, scene.edit.mesh).matrix;
+      lapedit::differential_operator(lapedit::LaplacianKind::Umbrella, region, scene.mesh).matrix;
   Eigen::SparseMatrix<double> normal = m.transpose() * m;
   for (int i = 0; i < region.size(); ++i) {
     const double w = region.classes[i] == lapedit::VertexClass::Handle   ? weight
@@ -170,12 +169,12 @@ Eigen::SparseMatrix<double> normal_matrix(const Problem& scene, double weight) {
 void check(const Problem& scene, CholmodPeer& cholmod) {
   const EditSettings settings = settings_of(EditMethod::Linear);
   const Solver ours = make_solver(scene, settings, 0);
-  ours->prepare(scene.edit.mesh);
+  ours->prepare(scene.mesh);
   const Points pose = ours->pose({handle_move(0)});
   const Region& region = ours->region();
   Points right = Points::Zero(region.size(), 3), moved = pose;
   for (int i = 0; i < region.size(); ++i) {
-    moved.row(i) -= scene.edit.mesh.vertices.row(region.mesh_vertex[i]);
+    moved.row(i) -= scene.mesh.vertices.row(region.mesh_vertex[i]);
     if (region.classes[i] == lapedit::VertexClass::Handle) {
       right.row(i) = settings.handle_weight * settings.handle_weight * handle_move(0).translation().transpose();
     }
@@ -284,7 +283,7 @@ void print_growth(int vertices) {
   const EditSettings settings;
   Points positions;
   Stopwatch watch;
-  const auto region = lapedit::find_region(scene.edit.mesh, scene.adjacency, scene.edit.region, scene.edit.handles);
+  const auto region = lapedit::find_region(scene.mesh, scene.adjacency, scene.spec, scene.handles);
   std::vector<double> figures = {watch.elapsed()};
   const double before = heap_bytes();
   const Solver solver = make_solver(scene, settings, 0, region.region);
@@ -297,7 +296,7 @@ void print_growth(int vertices) {
     figures.push_back(watch.lap());
   };
   add([&] { solver->frame({handle_move(1)}, positions); });
-  add([&] { solver->prepare(scene.edit.mesh); });
+  add([&] { solver->prepare(scene.mesh); });
   const double held = heap_bytes() - before;
   solver->frame({handle_move(0)}, positions);
   add([&] { solver->frame({handle_move(1)}, positions); });
