@@ -214,19 +214,6 @@ class Region(ToolTest):
             self.assertEqual(w.dump()["face_flags"], selected)
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def test_fixed_vertices_may_be_selected_before_a_handle(self):
-        with self.start(self.mesh) as w:
-            w.set(part("group_paint"), True)
-            for target, last in (("Region", 30), ("Fixed", 12)):
-                w.layer(selected_vertices=[v for v in range(len(self.points)) if 10 <= v // self.ROWS <= 30 and 10 <= v % self.ROWS <= last])
-                w.set(part("brush_target"), target)
-                w.press_button(part("from_selection"))
-                self.assertNotRegex(self.message(w), "wait")
-            w.set(part("brush_target"), 0)
-            self.pull(w, self.CENTRE, (10, -8))
-            self.assertEqual(numbers_of(self.steps_of(w)[0]["region"]["held"]),
-                             [row * self.ROWS + column for row in range(10, 31) for column in range(10, 13)])
-
 
 class Motion(ToolTest):
     def begin_to_turn(self, w):
@@ -291,9 +278,6 @@ class Motion(ToolTest):
             self.assertEqual(w.camera(), camera)
             self.assertEqual(self.steps_in_log(w), [])
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (20, 10)))
-
-    def test_backspace_cancels_a_motion(self):
-        self.cancel(self.by_mouse, lambda w, x, y: w.key("Backspace"))
 
     def test_right_button_cancels_a_motion(self):
         def by_right_button(w, x, y):
