@@ -464,7 +464,7 @@ def nose(length):
 
 
 def bumpy_grid():
-    """The grid of figures that a known angle and height belong to: see detail_orientation_test."""
+    """The grid of figures that a known angle and height belong to: see test_details_keep_their_orientation."""
     mesh = demo("bumps")
     anchors = np.flatnonzero((mesh[0][:, 0] < 5.5) | (mesh[0][:, 0] > 93.5)).tolist()
     region = {"vertices": f"0-{len(mesh[0]) - 1}", "anchors": {"vertices": anchors, "weights": [1] * len(anchors), "depths": [1] * len(anchors),
