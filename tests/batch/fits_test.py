@@ -293,6 +293,8 @@ class Fits(unittest.TestCase):
         for scale in (1e80, 1e-80):
             self.refused("another unit of length", fit(), mesh=(scale * HEAD[0], HEAD[1]))
             self.refused("scan", fit(), scan=(scale * SCAN[0], SCAN[1]))
+        for align in ("rigid", "none"):
+            self.refused("bring both to the same unit", fit(align=align), scan=(2000 * SCAN[0], SCAN[1]))
         self.refused("has no targets", fit({"vertices": "3"}))
         self.refused("mirror", {**fit(), "mirror": {"point": [0, 0, 0], "normal": [1, 0, 0]}})
         self.refused("1000000", fit(exclude={"vertices": [1000000]}))
