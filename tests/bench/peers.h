@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -10,6 +14,20 @@
 
 /// Other tools. Each makes the edit of a problem. @throws std::runtime_error if there is no result
 namespace quality {
+
+inline std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Reads rows of three numbers.
+template <class Rows>
+Rows rows_of(const std::filesystem::path& file) {
+  using Scalar = typename Rows::Scalar;
+  const std::string bytes = text_of(file);
+  return Eigen::Map<const Rows>(reinterpret_cast<const Scalar*>(bytes.data()),
+                                static_cast<Eigen::Index>(bytes.size() / (3 * sizeof(Scalar))), 3);
+}
 
 /// An edit with its region: the input of every method.
 struct Problem {

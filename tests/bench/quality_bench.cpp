@@ -36,20 +36,6 @@ namespace {
 namespace fs = std::filesystem;
 using Pairs = std::vector<std::pair<int, int>>;
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// Reads rows of three numbers.
-template <class Rows>
-Rows rows_of(const fs::path& file) {
-  using Scalar = typename Rows::Scalar;
-  const std::string bytes = text_of(file);
-  return Eigen::Map<const Rows>(reinterpret_cast<const Scalar*>(bytes.data()),
-                                static_cast<Eigen::Index>(bytes.size() / (3 * sizeof(Scalar))), 3);
-}
-
 lapedit::EditStep step_of(const fs::path& file) {
   return lapedit::read_edit(text_of(file)).steps.at(0);
 }

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -17,8 +19,8 @@
 #include "cholmod_peer.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/edit/step_solver.h"
+#include "lapedit/mesh/geodesic.h"
 #include "peers.h"
-#include "scene.h"
 #include "table.h"
 
 namespace speed {
@@ -37,6 +39,38 @@ constexpr int kLargestForCgal = 300000;
 
 /// Milliseconds of each round, by row. A row of bytes has one entry.
 using Runs = std::map<std::string, std::vector<double>>;
+
+void require(bool holds, const char* what, double found) {
+  if (!holds) {
+    throw std::runtime_error(std::string(what) + std::to_string(found));
+  }
+}
+
+/// Returns the handle's motion in a frame: never the same twice.
+lapedit::Affine handle_move(int frame) {
+  const Eigen::Vector3d way(0.1 * std::sin(0.7 * frame + 0.3), 0.1 * std::cos(0.9 * frame),
+                            0.25 + 0.1 * std::sin(0.31 * frame));
+  return lapedit::Affine(Eigen::Translation3d(way));
+}
+
+/// A disc by scene.py: all of it is the region, and the vertex in its middle is the handle.
+Problem make_scene(int vertices) {
+  const auto folder = std::filesystem::temp_directory_path() / ("scene-" + std::to_string(vertices));
+  const std::string command = "python3 '" SPEED_SCENE "' " + std::to_string(vertices) + " '" + folder.string() + "'";
+  require(std::system(command.c_str()) == 0, "scene.py makes no disc of ", vertices);
+  lapedit::TriangleMesh mesh{quality::rows_of<Points>(folder / "points"),
+                             quality::rows_of<lapedit::Faces>(folder / "faces")};
+  std::filesystem::remove_all(folder);
+  int centre = 0;
+  mesh.vertices.leftCols(2).rowwise().norm().minCoeff(&centre);
+  const lapedit::Adjacency adjacency = lapedit::build_adjacency(vertices, mesh.faces);
+  lapedit::GeodesicSearch search({mesh, adjacency});
+  lapedit::RegionSpec spec;
+  spec.radius = search.distance(search.run({centre}, lapedit::kUnreached).back()) * (1 + 1e-12);
+  Problem scene(std::move(mesh), std::move(spec), {{centre}}, {handle_move(0)});
+  require(scene.region.size() == vertices, "the number of the scene's vertices is ", scene.region.size());
+  return scene;
+}
 
 double heap_bytes() {
   const auto info = mallinfo2();
@@ -92,12 +126,6 @@ std::vector<int> disc(const Problem& scene) {
     }
   }
   return vertices;
-}
-
-void require(bool holds, const char* what, double found) {
-  if (!holds) {
-    throw std::runtime_error(std::string(what) + std::to_string(found));
-  }
 }
 
 /// One round: a first frame, the region ready, frames, another handle in the region.
