@@ -19,7 +19,12 @@ namespace shapes = lapedit::shapes;
 
 // The letters have about as many vertices as the meshes of Lipman et al. 2004, Figure 6.
 const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
+    {"small_letters", [] { return shapes::letter_field(180, 90); }},
     {"letters", [] { return shapes::letter_field(254, 127); }},
+    {"limb", [] { return shapes::tapered_arm(72, 130); }},
+    {"coarse_limb", [] { return shapes::tapered_arm(12, 28); }},
+    {"bumps", [] { return shapes::bumpy_grid(); }},
+    {"bar", [] { return shapes::bar(60, 14, 14); }},
     {"arm", [] { return shapes::tapered_arm(120, 140); }},
     {"field", [] { return shapes::letter_field(300, 150); }},
     {"million", [] { return shapes::letter_field(1420, 710); }},

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a whole edit has to hold, by laplacian-edit with NumPy: rotations, pieces that are near, mirror images, vertices at one
+"""What a whole edit has to hold, by laplacian-edit with NumPy: rotations, invariance, pieces that are near, mirror images, vertices at one
 position, other triangulations of a surface, soft handles, advice."""
 import json
 import math
+import os
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -13,16 +15,24 @@ import numpy as np
 
 from program import COMMAND
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "hosts"))
+
+import ply_meshes  # noqa: E402
+
 X, Y, Z = np.eye(3)
 METHODS = ("default", "paper", "linear")
 
 
-def write(path, points, faces):
+def write(path, points, faces, normals=None):
+    """Without faces: a cloud of points with normals."""
     rows = np.zeros(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
-    rows["count"], rows["corners"] = 3, faces
-    header = "".join(f"property double {axis}\n" for axis in "xyz")
+    rows["count"], rows["corners"] = 3, np.reshape(faces, (-1, 3))
+    names, columns = ("x", "y", "z"), points
+    if normals is not None:
+        names, columns = (*names, "nx", "ny", "nz"), np.hstack([points, normals])
+    header = "".join(f"property double {name}\n" for name in names)
     path.write_bytes(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{header}element face {len(faces)}\nproperty "
-                     "list uchar int vertex_indices\nend_header\n".encode() + np.asarray(points, "<f8").tobytes() + rows.tobytes())
+                     "list uchar int vertex_indices\nend_header\n".encode() + np.asarray(columns, "<f8").tobytes() + rows.tobytes())
 
 
 def read(path, count):
@@ -30,11 +40,13 @@ def read(path, count):
     return np.frombuffer(data, "<f8", 3 * count, data.index(b"end_header\n") + 11).reshape(-1, 3)
 
 
-def run(mesh, *steps, fractions="1"):
-    """@return positions for each fraction, and the last report or the refusal"""
+def run(mesh, *steps, fractions="1", scan=None):
+    """@param scan  is scan.ply. @return positions for each fraction, and the last report or the refusal"""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         write(folder / "mesh.ply", *mesh)
+        if scan:
+            write(folder / "scan.ply", *scan)
         (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "steps": steps}), encoding="utf-8")
         done = subprocess.run([COMMAND, "-q", "--fractions", fractions, "--report", "report.json", "mesh.ply", "out.ply", "edit.json"],
                               cwd=folder, capture_output=True, text=True, check=False)
@@ -276,6 +288,109 @@ class Rotations(Edits):
             self.assert_error(edited(mesh, step(*(groups[k] for k in order))), expected, 1e-4 * 5)
 
 
+def affine(linear, centre=(0, 0, 0), shift=(0, 0, 0)):
+    """About a centre, then moved."""
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = linear, np.array(centre) + shift - linear @ np.array(centre)
+    return matrix
+
+
+def moved(matrix, points):
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+class Invariance(Edits):
+    """The edit of a mesh that is moved, scaled, mirrored or numbered anew is moved, scaled, mirrored or numbered anew."""
+    SETTINGS = ({}, {"method": "paper", "laplacian": "cotangent"}, {"method": "linear", "laplacian": "umbrella"})
+    TIES = 0.005  # of the size: coordinates decide which vertices begin cells among those that a symmetry maps to each other
+
+    def cases(self):
+        """Mesh, radius, radius of normals, groups with their maps, and whether the mesh has ties."""
+        mesh = ball(4)
+        yield mesh, 1.23, 0.3, [(nearest(mesh, (0.3, 0.2, 0.9)), affine(np.eye(3), shift=(0.1, 0.2, 0.6)))], True
+        mesh = tube(18, 54, 10)
+        yield mesh, 7.1, 1.5, [(near(mesh, (10, 0, 0), 1.1), affine(rotation((1, 0.5, 0), 70), (10, 0, 0), (-3, 1, 5)))], True
+        mesh = grid(31, 31)
+        yield mesh, 10, 4, [(near(mesh, (13, 16, 0), 2.1), affine(rotation((1, 2, 0), 50), (13, 16, 0), (1, 2, 6)))], True
+        points, faces = grid(50, 30)
+        points = points + np.random.default_rng(3).uniform(-0.2, 0.2, points.shape)
+        points[:, 2] += np.sin(0.6 * points[:, 0] + 0.4) * np.cos(0.5 * points[:, 1])
+        mesh = points, faces
+        yield mesh, 14, 4, [([30 * i + 9 + i % 3 for i in range(15, 30)], affine(rotation(X, 25), (22, 10, 0), (0, 1, 3))),
+                            (near(mesh, (32, 19, 0), 2.5), affine(1.4 * rotation((0, 0.2, 1), -40), (32, 19, 0), (1, 0, 2)))], False
+        for file, vertex, radius, normal_radius, way in (("mannequin.off", 8624, 0.7, 0.15, (0, -0.9, 0)), ("bunny.ply", 23637, 0.05, 0.008, (0.03, -0.05, 0.03))):
+            if os.environ.get("LAPEDIT_MESHES"):
+                points, faces = ply_meshes.read(pathlib.Path(os.environ["LAPEDIT_MESHES"], file))
+                yield (np.array(points), np.array(faces)), radius, normal_radius, [(vertex, affine(np.eye(3), shift=way))], False
+
+    def pose(self, case, settings):
+        (points, faces), radius, normal_radius, groups, _ = case
+        more = {"normal_radius": normal_radius} if settings.get("method") == "paper" else {}
+        return run((points, faces), step(*(handle(v, matrix=m.ravel()) for v, m in groups), region={"radius": radius}, **settings, **more))
+
+    def seen(self, case, view, scale=1.0):
+        (points, faces), radius, normal_radius, groups, ties = case
+        mirrors, back = np.linalg.det(view[:3, :3]) < 0, np.linalg.inv(view)
+        return ((moved(view, points), faces[:, ::-1] if mirrors else faces), scale * radius, scale * normal_radius,
+                [(v, view @ m @ back) for v, m in groups], ties)
+
+    def test_moved_scaled_and_mirrored(self):
+        turned = rotation((3, 1, -2), 77)
+        for k, case in enumerate(self.cases()):
+            (points, _), *_, ties = case
+            size = np.ptp(points, axis=0).max()
+            views = [(affine(np.eye(3), shift=size * np.array((1, -2, 0.5))), 1), (affine(turned @ np.diag([1, -1, 1])), 1)]
+            views += [(affine(scale * turned), scale) for scale in (1.0, 1e-9, 1e7)]
+            for settings in self.SETTINGS:
+                (pose,), report = self.pose(case, settings)
+                self.assertLess(report["handle_residual"], 0.005 * report["handle_displacement"])
+                counts = [report[key] for key in ("handle", "free", "anchors")]
+                self.assertLessEqual((pose != points).any(1).sum(), sum(counts))
+                self.assertEqual(report["fixed"] + sum(counts), len(points))
+                for number, (view, scale) in enumerate(views):
+                    (found,), _ = self.pose(self.seen(case, view, scale), settings)
+                    plain = number == 0 and settings.get("method") != "paper" or settings.get("method") == "linear"
+                    bound = self.TIES if ties and not plain else 1e-9 if settings else 1e-6
+                    self.assert_error(found / (scale * size), moved(view, pose) / (scale * size), bound, (k, number, settings))
+
+    def test_numbered_anew(self):
+        random = np.random.default_rng(17)
+        for k, ((points, faces), radius, normal_radius, groups, ties) in enumerate(self.cases()):
+            to, size = random.permutation(len(points)), np.ptp(points, axis=0).max()
+            other = np.empty_like(points)
+            other[to] = points
+            turned = np.stack([np.roll(face, n) for face, n in zip(to[faces], random.integers(0, 3, len(faces)))])[random.permutation(len(faces))]
+            for settings in self.SETTINGS:
+                (pose,), _ = self.pose(((points, faces), radius, normal_radius, groups, ties), settings)
+                (found,), _ = self.pose(((other, turned), radius, normal_radius, [(to[v], m) for v, m in groups], ties), settings)
+                bound = self.TIES if ties and settings.get("method") == "paper" else 1e-9 if settings else 1e-6
+                self.assert_error(found[to] / size, pose / size, bound, (k, settings))
+
+    def test_far_from_the_origin_the_digits_that_are_left_are_right(self):
+        for k, ((points, faces), radius, normal_radius, groups, _) in enumerate(self.cases()):
+            size = np.ptp(points, axis=0).max()
+            far = points + 1e7 * size * np.array((1, 1, -1))
+            near_by = far - far[0]
+            maps = [(v, affine(np.eye(3), shift=0.1 * size * np.array((1, 2, g)))) for g, (v, _) in enumerate(groups)]
+            for settings in self.SETTINGS:
+                (there,), (here,) = (self.pose(((p, faces), radius, normal_radius, maps, False), settings)[0] for p in (far, near_by))
+                self.assert_error((there - far[0]) / size, here / size, 1e-8, (k, settings))
+
+    def test_what_does_not_move_keeps_its_bits_and_unrotated_edits_are_affine(self):
+        for mesh, radius, normal_radius, groups, _ in self.cases():
+            still = [(v, np.eye(4)) for v, _ in groups]
+            for settings in self.SETTINGS:
+                self.assertTrue((self.pose((mesh, radius, normal_radius, still, False), settings)[0][0] == mesh[0]).all(), settings)
+            for settings in ({"method": "linear", "laplacian": kind, "order": order} for kind in ("umbrella", "cotangent") for order in (1, 2)):
+                def way(maps):
+                    return self.pose((mesh, radius, 0, maps, False), settings)[0][0] - mesh[0]
+                whole = way(groups)
+                for t in (0.3, -2.0, 100.0):
+                    self.assert_error(way([(v, np.eye(4) + t * (m - np.eye(4))) for v, m in groups]), t * whole, 1e-9 * max(1, abs(t)) * np.abs(whole).max())
+                alone = sum(way([one if g == k else still[g] for g, one in enumerate(groups)]) for k in range(len(groups)))
+                self.assert_error(alone, whole, 1e-9 * np.abs(whole).max())
+
+
 class Pieces(Edits):
     """Pieces that are near keep their distance with `connect`."""
 
@@ -285,6 +400,17 @@ class Pieces(Edits):
         distances = np.linalg.norm(upper[:, None] - lower, axis=2)
         chosen = np.flatnonzero(distances.min(1) < gap)
         return below + chosen, distances[chosen].argmin(1)
+
+    def test_enclosed_piece_keeps_its_shape_and_its_place(self):
+        """With `pieces`."""
+        for size in (1e-3, 1, 400):
+            head, eye = ball(4), ball(2)
+            points, faces = together(head, (0.15 * eye[0], eye[1]), (0, 0, 0.8))
+            mesh, way = (size * points, faces), size * np.array((0.3, 0, 0.2))
+            pull = step(handle(near(head, (0, 0, 1), 0.28), translation=way), region={"radius": 1.5 * size, "pieces": True})
+            before, after = (p[len(head[0]):] for p in (mesh[0], edited(mesh, pull)))
+            self.assertLess(np.linalg.norm((after - before).mean(0) - way), 0.25 * np.linalg.norm(way))
+            self.assert_error(*(np.linalg.norm(p[:, None] - p, axis=2) for p in (after, before)), 0.03 * size)
 
     def change(self, mesh, links, after):
         before, now = (np.linalg.norm(points[links[0]] - points[links[1]], axis=1) for points in (mesh[0], after))
@@ -544,6 +670,105 @@ class SameSurface(Edits):
                 self.assertLess(np.abs(np.array(radii) - np.mean(radii)).max() / np.mean(radii), bound, (laplacian, fraction))
 
 
+class Shape(Edits):
+    """What the report says of a shape, and shapes of strange regions."""
+
+    def bent(self, mesh, root, end, degrees, **settings):
+        """A limb along x bent upwards into an arc, from its root on."""
+        angle, length = math.radians(degrees), end - root
+        way = (length * (math.sin(angle) / angle - 1), 0, length * (1 - math.cos(angle)) / angle)
+        held = np.flatnonzero(mesh[0][:, 0] <= root).tolist()
+        return run(mesh, step(handle(np.flatnonzero(mesh[0][:, 0] > end), translation=way, rotation=turn(-Y, degrees)),
+                              region={"component": True, "held": held}, **settings))
+
+    def test_bent_limb_stays_whole_and_round(self):
+        """With passes over the vertices alone, a fine limb would get flat."""
+        for around, rings, degrees, lost in ((16, 60, 60, 0.1), (16, 60, 120, 0.35), (16, 60, 179, 0.5), (160, 30, 60, 0.1), (160, 30, 120, 0.35)):
+            reports = [self.bent(tube(around, rings, 12), 1, 10.4, degrees, **settings)[1] for settings in ({}, {"method": "paper"})]
+            report = reports[0]
+            self.assertEqual(report["flipped"], 0, (around, degrees))
+            self.assertLess(report["handle_residual"], 0.01 * report["handle_displacement"])
+            self.assertGreater(report["volume_change"], -lost * report["volume"], (around, degrees))
+            if around == 16:
+                self.assertLess(report["stretch_rms"], 0.95 * reports[1]["stretch_rms"])
+                self.assertLess(report["stretch_max"], 0.8)
+
+    def test_membrane_spreads_stretch(self):
+        mesh, last = ball(4), math.inf
+        for membrane in (0, 100, 1200):
+            pull = handle(near(mesh, (0, 0, 1), 0.12), translation=(0, 0, 2.5))
+            _, report = run(mesh, step(pull, region={"radius": 1.1}, laplacian="mean_value", membrane=membrane))
+            self.assertLess(report["stretch_rms"], last, membrane)
+            self.assertEqual(report["flipped"], 0)
+            last = report["stretch_rms"]
+
+    def test_small_regions_and_vertices_without_faces_are_edited(self):
+        """There are too few vertices for cells, or none that is free."""
+        for rows, columns in ((2, 2), (2, 4), (2, 5), (6, 5)):
+            mesh = grid(rows, columns)
+            count = rows * columns
+            for handles in (1, count - 1):
+                region = {"component": True, "held": [count - 1]}
+                for laplacian in ("umbrella", "cotangent", "mean_value", "surface"):
+                    for membrane in (0, 1200):
+                        motion = {"rotation": {**turn((1, 1, 0), 50), "center": [0, 0, 0]}, "translation": (0, 0, 1)}
+                        (pose,), report = run(mesh, step(handle(range(handles), **motion), region=region, laplacian=laplacian, membrane=membrane))
+                        self.assertTrue(np.isfinite(pose).all())
+                        self.assertLess(report["handle_residual"], 0.05, (count, handles, laplacian, membrane))
+        points, faces = ball(2)
+        mesh = np.vstack([points, [(0, 0, 9)]]), faces
+        low, high = np.append(np.flatnonzero(points[:, 2] < 0), len(points)), np.flatnonzero(points[:, 2] > 0.5)
+        for method in METHODS:
+            motion = {"rotation": {**turn(Z, 60), "center": [0, 0, 0]}, "translation": (0, 0, 0.5)}
+            pose = edited(mesh, step(handle(low, **motion), handle(high), method=method))
+            self.assert_error(pose[low], mesh[0][low] @ rotation(Z, 60).T + (0, 0, 0.5), 0.02, method)
+            self.assert_error(pose[high], mesh[0][high], 0.02, method)
+
+    def test_kernels_of_older_processors_give_the_same_coordinates(self):
+        mesh = tube(16, 60, 12)
+        expected = self.bent(mesh, 1, 10.4, 80)[0][0]
+        self.addCleanup(os.environ.pop, "LAPEDIT_INSTRUCTIONS", None)
+        for instructions in ("plain", "avx2", "avx512"):
+            os.environ["LAPEDIT_INSTRUCTIONS"] = instructions
+            found = self.bent(mesh, 1, 10.4, 80)[0][0]
+            self.assert_error(found, expected, 1e-8, instructions)
+            self.assertTrue((self.bent(mesh, 1, 10.4, 80)[0][0] == found).all(), instructions)
+
+    def test_details_keep_their_orientation(self):
+        """Prints the tilt of known bumps against the normals of the plane that is edited alike, and their height, before 3. The methods
+        linear and paper meet references from both sides."""
+        plane, faces = grid(100, 60)
+        i, j = plane[:, 0].astype(int), plane[:, 1].astype(int)
+        bump = (i // 8 % 2 == 0) & (j // 8 % 2 == 0) & (i > 8) & (i < 92)
+        bumpy = plane + 3 * bump[:, None] * Z
+        region = {"component": True, "held": np.flatnonzero((i < 6) | (i > 93)).tolist()}
+
+        def measure(way, settings):
+            one = step(handle(np.flatnonzero(i == 50), translation=way), region=region, **settings)
+            base, found = edited((plane, faces), one), edited((bumpy, faces), one)
+            normals, cross = np.zeros_like(base), np.cross(base[faces[:, 1]] - base[faces[:, 0]], base[faces[:, 2]] - base[faces[:, 0]])
+            for k in range(3):
+                np.add.at(normals, faces[:, k], cross)
+            up, lengths = (found - base)[bump], np.linalg.norm((found - base)[bump], axis=1)
+            cosines = (up * normals[bump]).sum(1) / lengths / np.linalg.norm(normals[bump], axis=1)
+            return np.degrees(np.arccos(np.clip(cosines, -1, 1))).mean(), lengths.mean()
+
+        ones = {"handle_weight": 1, "anchor_weight": 1}
+        for laplacian, method, radius, *references in (
+                ("umbrella", "linear", 0, 42.6, 56.2), ("umbrella", "paper", 12, 22.1, 30.8), ("umbrella", "paper", 20, 12.9, 18.7),
+                ("umbrella", "paper", 0, 0, 0), ("cotangent", "linear", 0, 41.5, 59.9), ("cotangent", "paper", 12, 14.5, 20.8),
+                ("cotangent", "paper", 20, 11.4, 20.6), ("cotangent", "paper", 0, 0, 0), ("surface", "default", 0, 0, 0)):
+            settings = {"method": method, "laplacian": laplacian, **(ones if method != "default" else {}), **({"normal_radius": radius} if radius else {})}
+            found = [measure(way, settings) for way in ((0, 0, 40), (30, 0, 60))]
+            print("|" + "|".join(map(str, (laplacian, method, radius, *(f"{degrees:.1f}|{height:.2f}" for degrees, height in found)))) + "|")
+            for (degrees, height), reference, most in zip(found, references, (12, 19.5)):
+                if reference:
+                    self.assertAlmostEqual(degrees, reference, delta=0.05 * reference)
+                elif method == "default":
+                    self.assertLess(degrees, most)
+                self.assertAlmostEqual(height, 3, delta=0.8 if reference else 0.5)
+
+
 class Advice(Edits):
     """Results that are no success have advice: turned inside out, collapsed, with corners; rigid ones have none."""
 
@@ -653,6 +878,49 @@ class Advice(Edits):
                             settings = {} if method == "default" else {"order": order, "membrane": 0 if method == "paper" else 500}
                             one = handle([0, n // 5, n // 3, n // 2, n - 2], matrix=self.matrix(linear, translation))
                             self.assertEqual(self.advice(mesh, step(one, method=method, **settings)), "", (method, order))
+
+
+class Groups(Edits):
+    def test_targets_are_met(self):
+        """As the residual says, in any order; at their vertices' positions nothing moves to the bit."""
+        points, faces = grid(30, 20)
+        points = points + (0.1, 1 / 3, 0)
+        marks, weights = 310 + np.array((2, -2, 40, 0, -40)), np.array((0.5, 0.25, 0.75, 1, 0.125))
+        arms = points[marks] - points[310]
+        targets = points[marks] + np.stack([-0.2 * arms[:, 1], 0.2 * arms[:, 0], 2 + 0.25 * np.arange(5)], 1)
+
+        def pull(order, to, **more):
+            return step({"vertices": marks[order].tolist(), "targets": to[order].tolist(), **more}, region={"radius": 8})
+
+        (pose,), report = run((points, faces), pull(range(5), targets))
+        self.assertLess(report["handle_residual"], 0.05 * report["handle_displacement"])
+        self.assertAlmostEqual(np.linalg.norm(pose[marks] - targets, axis=1).max(), report["handle_residual"], 6)
+        self.assertTrue((edited((points, faces), pull([4, 3, 2, 1, 0, 3], targets)) == pose).all())
+        self.assertTrue((edited((points, faces), pull(range(5), points[marks])) == points).all())
+        soft = [edited((points, faces), pull(k, targets, weights=weights[k].tolist())) for k in (np.arange(5), np.array((3, 0, 4, 2, 1)))]
+        self.assertTrue((soft[0] == soft[1]).all())
+
+    def test_lone_vertex_is_refused_a_rotation_or_scale_about_itself(self):
+        mesh = grid(30, 20)
+        for region in ({"component": True}, {"radius": 8}):
+            for change, words in (({"scale": 100}, "scaled by 100 about itself: name several vertices, or give a translation."),
+                                  ({"rotation": turn(Z, -20)}, "rotated by -20 degrees")):
+                for more in ({}, {"mirror": {"point": mesh[0][310].tolist(), "normal": [1, 0, 0]}}):
+                    _, refusal = run(mesh, step(handle([0, 1, 2]), handle([310, 310], **change), region=region, **more))
+                    self.assertIn("" if more else f"Handle group 1 is vertex 310 alone, which cannot be {words}", " ".join(refusal.split()))
+
+    def test_thousands_are_met(self):
+        """Dense landmarks: as single targets of one group, nearly so with rotations."""
+        mesh = grid(60, 60)
+        for stride in (1, 2):
+            marks = np.arange(0, 3540, stride)
+            x, y, _ = mesh[0][marks].T
+            way = np.outer(3 * np.sin(0.1 * x) * np.cos(0.07 * y), Z)
+            for method, bound in (("default", 0.05), ("linear", 1e-9)):
+                (pose,), report = run(mesh, step(*(handle(v, translation=w) for v, w in zip(marks, way)), method=method))
+                self.assertLess(report["handle_residual"], 0.05)
+                self.assertEqual(report["flipped"], 0)
+                self.assert_error(pose, edited(mesh, step(handle(marks, targets=mesh[0][marks] + way), method=method)), bound)
 
 
 class SoftHandles(Edits):

@@ -56,7 +56,7 @@ class Fit(FilterTest):
         distance = [max(math.dist(p, map(float_of, q)) for p, q in zip(self.points, points)) for points in (lifted, bits)]
         self.assertGreater(distance[0], 0.19)
         self.assertLess(distance[1], 0.13)  # along the surface too
-        self.assertIn('Fit to the layer "dome.ply"', log)
+        self.assertRegex(log, 'Fit to the layer "dome.ply".* alignment: none')
         fit = {"region": {"component": True}, "fit": {"to": "dome.ply", "align": "none"}}
         again, _ = self.bits([self.copy, laplacian_edit(**self.lift), replay(fit)])
         self.assertEqual(again, bits)

@@ -37,7 +37,7 @@ Mesh cgal_mesh(const lapedit::TriangleMesh& mesh) {
 
 template <CGAL::Deformation_algorithm_tag tag>
 MethodResult deformed(const Problem& scene, int iterations) {
-  const lapedit::TriangleMesh& mesh = scene.edit.mesh;
+  const lapedit::TriangleMesh& mesh = scene.mesh;
   const lapedit::Region& region = scene.region;
   using Deformation = CGAL::Surface_mesh_deformation<Mesh, CGAL::Default, CGAL::Default, tag>;
   Mesh surface = cgal_mesh(mesh);
@@ -66,7 +66,7 @@ MethodResult deformed(const Problem& scene, int iterations) {
   result.prepare_ms = watch.lap();
   for (const int i : handles) {
     const int v = region.mesh_vertex[i];
-    const Vector3 target = scene.edit.maps[static_cast<std::size_t>(region.group[i])] * Vector3(mesh.vertices.row(v));
+    const Vector3 target = scene.maps[static_cast<std::size_t>(region.group[i])] * Vector3(mesh.vertices.row(v));
     deformation.set_target_position(index_of(v), Kernel::Point_3(target.x(), target.y(), target.z()));
   }
   // Each alone, as in a drag; they go on from one another.

@@ -7,8 +7,6 @@
 
 #include <stdexcept>
 
-#include "region_matrices.h"
-
 namespace quality {
 namespace {
 

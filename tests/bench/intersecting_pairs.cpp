@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "quality_measures.h"
+#include "peers.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 
 namespace quality {
 namespace {
@@ -106,12 +105,6 @@ std::vector<std::pair<int, int>> intersecting_pairs(const Faces& faces, const st
   CGAL::box_intersection_d(boxes.begin(), boxes.end(), others.begin(), others.end(), meet);
   std::sort(result.begin(), result.end());
   return result;
-}
-
-int new_pairs(const std::vector<std::pair<int, int>>& before, const std::vector<std::pair<int, int>>& after) {
-  std::vector<std::pair<int, int>> added;
-  std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(added));
-  return static_cast<int>(added.size());
 }
 
 }  // namespace quality

@@ -8,7 +8,6 @@
 
 #include "lapedit/base/polar_decomposition.h"
 #include "peers.h"
-#include "region_matrices.h"
 
 namespace quality {
 namespace {

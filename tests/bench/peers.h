@@ -1,10 +1,60 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "quality_scene.h"
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lapedit/deform/handle_transform.h"
+#include "lapedit/mesh/region.h"
 
 /// Other tools. Each makes the edit of a problem. @throws std::runtime_error if there is no result
 namespace quality {
+
+inline std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Reads rows of three numbers.
+template <class Rows>
+Rows rows_of(const std::filesystem::path& file) {
+  using Scalar = typename Rows::Scalar;
+  const std::string bytes = text_of(file);
+  return Eigen::Map<const Rows>(reinterpret_cast<const Scalar*>(bytes.data()),
+                                static_cast<Eigen::Index>(bytes.size() / (3 * sizeof(Scalar))), 3);
+}
+
+/// An edit with its region: the input of every method.
+struct Problem {
+  lapedit::TriangleMesh mesh;
+  lapedit::RegionSpec spec;
+  std::vector<std::vector<int>> handles;
+  std::vector<lapedit::Affine> maps;  ///< one per handle group
+  lapedit::Adjacency adjacency;
+  lapedit::Region region;
+
+  Problem(lapedit::TriangleMesh surface, lapedit::RegionSpec given, std::vector<std::vector<int>> groups,
+          std::vector<lapedit::Affine> motions)
+      : mesh(std::move(surface)),
+        spec(std::move(given)),
+        handles(std::move(groups)),
+        maps(std::move(motions)),
+        adjacency(lapedit::build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces)),
+        region(lapedit::build_region(mesh, adjacency, spec, handles)) {}
+};
+
+struct MethodResult {
+  lapedit::Points positions;  ///< of the whole mesh
+  double prepare_ms = 0;      ///< until the handle can be moved
+  double solve_ms = 0;        ///< the edit, settled
+  double frame_ms = 0;        ///< a frame of a drag
+  bool fast_frame = true;     ///< a frame is not the settled edit over again
+};
 
 constexpr int kArapIterations = 10, kManyArapIterations = 100;
 
@@ -21,7 +71,24 @@ MethodResult oehri_arap(const Problem& scene);
 MethodResult igl_arap(const Problem& scene);
 MethodResult igl_biharmonic(const Problem& scene);
 
-/// Blender's Laplacian Deform modifier in a process of its own, times less the cost of updates without it.
-MethodResult blender(const Problem& scene);
+/// The region as matrices, for peers that solve on it alone; rows are local vertices.
+struct RegionMatrices {
+  Eigen::MatrixXd rest;
+  Eigen::MatrixXi faces;
+  Eigen::VectorXi held;
+  Eigen::MatrixXd positions;  ///< targets of what is held
+};
+
+/// Makes the next frame, from where the one before ended.
+using NextFrame = std::function<void()>;
+
+/// Prepares, then makes so many frames. @param prepare  gets the rest pose, which frames replace
+MethodResult timed(const Problem& scene, int count,
+                   const std::function<NextFrame(const RegionMatrices&, Eigen::MatrixXd&)>& prepare);
+
+/// Pairs of faces that cut or touch each other elsewhere than in what they share, at least one of each pair among those
+/// looked at: decided exactly, by CGAL's predicates. Lower number first, ascending. Faces without area are left out.
+std::vector<std::pair<int, int>> intersecting_pairs(const lapedit::Faces& faces, const std::vector<int>& looked_at,
+                                                    const lapedit::Points& positions);
 
 }  // namespace quality

@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shape and time of edits by this library's settings and by its peers, as JSON. See README.md.
+// Makes one edit by this library and by its peers, and prints times and new intersections as JSON; quality.py writes
+// its input and measures the results.
+//
+// usage: quality_bench FOLDER REPEAT THREADS METHOD...
+//   FOLDER   with points (doubles), faces (ints) and edit.json, an edit of one step; gets METHOD.points
+//   REPEAT   the best times of so many runs
+//   THREADS  ours; 0: as many as the machine has
+//   METHOD   a peer; "given": what FOLDER/given.points has; or the name of a file FOLDER/METHOD.json: this library with
+//            the settings of that edit
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -13,244 +22,188 @@
 #include <string>
 #include <vector>
 
-#include "our_methods.h"
+#include "lapedit/base/stopwatch.h"
+#include "lapedit/edit/positions.h"
+#include "lapedit/edit/step_solver.h"
+#include "lapedit/json/edit_script.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "peers.h"
-#include "quality_edits.h"
-#include "quality_files.h"
-#include "quality_remeshing.h"
-#include "quality_scene.h"
+#include "table.h"
 
 namespace quality {
 namespace {
 
-constexpr const char* kUsage = R"(usage: quality_bench [OPTION]...
-  --edits A,B           these edits, as quality_edits.cpp names them
-  --ours NAME=KEY=VALUE,KEY=VALUE
-                        adds these settings, by the keys of JSON, under a name; what is not named is as by default
-  --only A,B            only these methods
-  --blender             Blender's Laplacian Deform too
-  --remeshed            instead of figures: the change of each edit when the surface is triangulated anew
-  --threads N           ours; 0, the default: as many as the machine has
-  --repeat N            best times of so many runs (2)
-  --json FILE           all figures
-  --out DIR             the meshes, one folder for each edit
-)";
+namespace fs = std::filesystem;
+using Pairs = std::vector<std::pair<int, int>>;
 
-/// The command line: options with their values, and those without.
-struct Options {
-  std::map<std::string, std::string> values = {{"--edits", ""},   {"--only", ""}, {"--ours", ""}, {"--threads", "0"},
-                                               {"--repeat", "2"}, {"--json", ""}, {"--out", ""}};
-  std::map<std::string, bool> flags = {{"--blender", false}, {"--remeshed", false}};
-  std::vector<std::pair<std::string, std::string>> ours;  ///< settings with their names
-  int threads = 0, repeat = 2;
+lapedit::EditStep step_of(const fs::path& file) {
+  return lapedit::read_edit(text_of(file)).steps.at(0);
+}
 
-  Options(int argc, char** argv);
-  const std::string& value(const char* option) const { return values.at(option); }
-  bool has(const char* flag) const { return flags.at(flag); }
-  std::vector<std::string> list(const char* option) const {
-    return value(option).empty() ? std::vector<std::string>() : split(value(option), ',');
+Problem problem_of(const fs::path& folder) {
+  lapedit::TriangleMesh mesh{rows_of<lapedit::Points>(folder / "points"), rows_of<lapedit::Faces>(folder / "faces")};
+  lapedit::Edit edit;
+  edit.steps = {step_of(folder / "edit.json")};
+  edit = lapedit::located(mesh, lapedit::build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces), edit);
+  const lapedit::EditStep& step = edit.steps[0];
+  std::vector<lapedit::Affine> maps;
+  for (const lapedit::HandleGroup& group : step.handles) {
+    maps.push_back(lapedit::resolve(group.transform, lapedit::centroid(mesh.vertices, group.vertices)).map);
   }
-};
+  return {std::move(mesh), step.region, lapedit::groups_of(step), std::move(maps)};
+}
 
-Options::Options(int argc, char** argv) {
-  for (int k = 1; k < argc; ++k) {
-    const std::string option = argv[k];
-    if (option == "--help") {
-      std::fputs(kUsage, stdout);
-      std::exit(0);
-    } else if (flags.count(option) > 0) {
-      flags[option] = true;
-    } else if (values.count(option) > 0 && k + 1 < argc) {
-      values[option] = argv[++k];
-      if (option == "--ours") {
-        ours.push_back(key_and_value(argv[k]));
-      }
+/// This library's result. A frame is a preview near the end of a drag. @throws EditError
+MethodResult ours(const Problem& scene, const lapedit::EditSettings& settings, int threads) {
+  constexpr int kFrames = 11;
+  MethodResult result;
+  lapedit::Stopwatch watch;
+  lapedit::StepOptions options;
+  options.solver.threads = threads;
+  lapedit::StepSolver solver(scene.mesh,
+                             lapedit::find_region(scene.mesh, scene.adjacency, scene.spec, scene.handles, {}, threads),
+                             settings, options);
+  solver.prepare(scene.mesh);
+  result.prepare_ms = watch.lap();
+  const lapedit::Points& solved = solver.pose({scene.maps.begin(), scene.maps.end()});
+  result.solve_ms = watch.lap();
+  result.positions = scene.mesh.vertices;
+  lapedit::scatter(solver.region().mesh_vertex, solved, result.positions);
+  solver.make_cells();
+  result.fast_frame = solver.has_frames();
+  lapedit::Points frame;
+  // A mouse that comes near the pose, small step by small step.
+  std::vector<double> frames;
+  for (int k = 0; k < kFrames; ++k) {
+    std::vector<lapedit::HandleMotion> motions(scene.maps.begin(), scene.maps.end());
+    for (lapedit::HandleMotion& motion : motions) {
+      motion.map.translation() *= 1 - 0.002 * (kFrames - k);
+    }
+    watch.lap();
+    if (result.fast_frame) {
+      solver.frame(motions, frame);
     } else {
-      throw std::runtime_error("unknown, or without its value: " + option + "\n" + kUsage);
+      solver.pose(motions);
     }
+    frames.push_back(watch.lap());
   }
-  threads = std::stoi(value("--threads"));
-  repeat = std::max(1, std::stoi(value("--repeat")));
+  result.frame_ms = table::median(frames);
+  return result;
 }
 
-bool among(const std::vector<std::string>& names, const std::string& name) {
-  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-}
-
-std::vector<std::pair<std::string, lapedit::EditSettings>> make_settings(const Options& options) {
-  std::vector<std::pair<std::string, std::string>> named = {
-      {"linear", "method=linear"}, {"paper", "method=paper"}, {"default", ""}};
-  named.insert(named.end(), options.ours.begin(), options.ours.end());
-  std::vector<std::pair<std::string, lapedit::EditSettings>> result;
-  result.reserve(named.size());
-  for (const auto& [name, text] : named) {
-    result.emplace_back(name, settings_of(text));
+MethodResult run_method(const std::string& name, const Problem& scene, const fs::path& folder, int threads) {
+  const std::map<std::string, std::function<MethodResult(const Problem&)>> peers = {
+      {"given", [&](const Problem&) { return MethodResult{rows_of<lapedit::Points>(folder / "given.points")}; }},
+      {"ARAP", [](const Problem& problem) { return arap(problem); }},
+      {"ARAP100", [](const Problem& problem) { return arap(problem, kManyArapIterations); }},
+      {"SR-ARAP", smooth_arap},
+      {"Smooth-ARAP", oehri_arap},
+#ifdef QUALITY_LIBIGL
+      {"libigl", igl_arap},
+      {"biharmonic", igl_biharmonic},
+#endif
+  };
+  const auto peer = peers.find(name);
+  MethodResult result =
+      peer != peers.end() ? peer->second(scene) : ours(scene, step_of(folder / (name + ".json")).settings, threads);
+  if (!result.positions.allFinite()) {
+    throw std::runtime_error("not finite");
   }
   return result;
 }
 
-std::vector<Method> make_methods(const Options& options) {
-  std::vector<Method> methods;
-  for (const auto& [name, settings] : make_settings(options)) {
-    methods.push_back({name, [settings = settings, threads = options.threads](const Problem& scene) {
-                         return ours(scene, settings, threads);
-                       }});
-  }
-  methods.push_back({"ARAP", [](const Problem& scene) { return arap(scene); }});
-  methods.push_back({"ARAP100", [](const Problem& scene) { return arap(scene, kManyArapIterations); }, true});
-  methods.push_back({"SR-ARAP", smooth_arap});
-  methods.push_back({"Smooth-ARAP", oehri_arap});
-  if (options.has("--blender")) {
-    methods.push_back({"Blender", blender, true});
-  }
-#ifdef QUALITY_LIBIGL
-  methods.push_back({"libigl", igl_arap});
-  methods.push_back({"biharmonic", igl_biharmonic});
-#endif
-  const std::vector<std::string> only = options.list("--only");
-  for (const std::string& name : only) {
-    if (std::none_of(methods.begin(), methods.end(), [&](const Method& m) { return m.name == name; })) {
-      throw std::runtime_error("there is no method " + name);
+/// What intersects, with a vertex that could have moved freely in it.
+class Intersections {
+ public:
+  explicit Intersections(const Problem& scene) : scene_(scene), is_free_(scene.mesh.faces.rows(), 0) {
+    const lapedit::Region& region = scene.region;
+    for (int i = 0; i < region.size(); ++i) {
+      for (const int f : scene.adjacency.faces[region.mesh_vertex[i]]) {
+        faces_.push_back(f);
+        is_free_[f] |= static_cast<char>(region.classes[i] == lapedit::VertexClass::Free);
+      }
     }
+    std::sort(faces_.begin(), faces_.end());
+    faces_.erase(std::unique(faces_.begin(), faces_.end()), faces_.end());
+    before_ = intersecting_pairs(scene.mesh.faces, faces_, scene.mesh.vertices);
   }
-  methods.erase(std::remove_if(methods.begin(), methods.end(), [&](const Method& m) { return !among(only, m.name); }),
-                methods.end());
-  return methods;
-}
 
-struct Outcome {
-  std::optional<MethodResult> best;  ///< of some runs, which differ in nothing but their times
-  std::string failed;                ///< why there is none
+  long count_new(const lapedit::Points& positions) const {
+    const Pairs after = intersecting_pairs(scene_.mesh.faces, faces_, positions);
+    Pairs added;
+    std::set_difference(after.begin(), after.end(), before_.begin(), before_.end(), std::back_inserter(added));
+    return std::count_if(added.begin(), added.end(),
+                         [this](const auto& pair) { return is_free_[pair.first] || is_free_[pair.second]; });
+  }
+
+ private:
+  const Problem& scene_;
+  std::vector<char> is_free_;
+  std::vector<int> faces_;  // of the region, ascending
+  Pairs before_;
 };
 
-void run_again(const Method& method, const Scene& scene, Outcome& outcome) {
-  if (!outcome.failed.empty() || (method.once && outcome.best)) {
-    return;
+nlohmann::json region_json(const Problem& scene) {
+  nlohmann::json classes = nlohmann::json::array(), maps = nlohmann::json::array();
+  for (const lapedit::VertexClass each : scene.region.classes) {
+    classes.push_back(static_cast<int>(each));
   }
-  try {
-    MethodResult result = method.run(scene);
-    if (!result.positions.allFinite()) {
-      throw std::runtime_error("not finite");
-    }
-    if (outcome.best) {
-      result.prepare_ms = std::min(result.prepare_ms, outcome.best->prepare_ms);
-      result.solve_ms = std::min(result.solve_ms, outcome.best->solve_ms);
-      result.frame_ms = std::min(result.frame_ms, outcome.best->frame_ms);
-    }
-    outcome.best = std::move(result);
-  } catch (const std::exception& problem) {
-    outcome.best.reset();
-    outcome.failed = problem.what();
+  for (const lapedit::Affine& map : scene.maps) {
+    const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> rows = map.affine();
+    maps.push_back(std::vector<double>(rows.data(), rows.data() + 12));
   }
-}
-
-/// A number that is not finite is written as null.
-nlohmann::ordered_json as_json(const Figures& f) {
-  return {{"rms", f.rms},
-          {"area_rms", f.area_rms},
-          {"shear", f.shear},
-          {"worst", f.worst},
-          {"tilt", f.tilt},
-          {"far", f.far},
-          {"twist", f.twist},
-          {"asymmetry", f.asymmetry},
-          {"largest", f.largest},
-          {"flipped", f.flipped},
-          {"pairs", f.pairs},
-          {"volume", f.volume},
-          {"behind", f.behind},
-          {"prepare_ms", f.prepare_ms},
-          {"solve_ms", f.solve_ms},
-          {"frame_ms", f.frame_ms},
-          {"fast_frame", f.fast_frame}};
-}
-
-/// The rest pose, its classes for the renderer, and where to look at it from.
-void write_rest(const std::filesystem::path& folder, const Scene& scene) {
-  std::filesystem::create_directories(folder);
-  const Edit& edit = scene.edit;
-  const lapedit::Points& rest = edit.mesh.vertices;
-  write_ply(folder / "rest.ply", rest, edit.mesh.faces);
-  std::vector<int> classes(static_cast<std::size_t>(rest.rows()), 0);
-  // All that the region and its handles come to.
-  lapedit::Vector3 low = rest.row(scene.region.mesh_vertex[0]), high = low;
-  for (int i = 0; i < scene.region.size(); ++i) {
-    const int v = scene.region.mesh_vertex[i], group = scene.region.group[i];
-    classes[v] = static_cast<int>(scene.region.classes[i]);
-    for (const lapedit::Vector3& p : {lapedit::Vector3(rest.row(v)),
-                                      lapedit::Vector3(group < 0 ? lapedit::Vector3(rest.row(v))
-                                                                 : edit.maps[group] * lapedit::Vector3(rest.row(v)))}) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-  }
-  std::ofstream out(folder / "classes.txt");
-  for (const int c : classes) {
-    out << c << '\n';
-  }
-  const auto list = [](const lapedit::Vector3& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
-  std::ofstream(folder / "view.json") << nlohmann::json{
-      {"toward", list(edit.toward)}, {"up", list(edit.up)}, {"low", list(low)}, {"high", list(high)}};
-}
-
-std::vector<const NamedEdit*> chosen_edits(const Options& options) {
-  std::vector<const NamedEdit*> result;
-  const std::vector<std::string> names = options.list("--edits");
-  for (const std::string& name : names) {
-    if (std::none_of(edits().begin(), edits().end(), [&](const NamedEdit& edit) { return edit.name == name; })) {
-      throw std::runtime_error("there is no edit " + name);
-    }
-  }
-  for (const NamedEdit& edit : edits()) {
-    if (among(names, edit.name)) {
-      result.push_back(&edit);
-    }
-  }
-  return result;
+  return {{"vertices", scene.region.mesh_vertex},
+          {"classes", classes},
+          {"groups", scene.region.group},
+          {"distances", scene.region.distance},
+          {"maps", maps}};
 }
 
 int run(int argc, char** argv) {
-  const Options options(argc, argv);
-  const std::vector<Method> methods = make_methods(options);
-  const std::vector<const NamedEdit*> chosen = chosen_edits(options);
-  const std::string& out = options.value("--out");
-  if (options.has("--remeshed")) {
-    print_remeshed(chosen, methods);
-    return 0;
+  if (argc < 5) {
+    std::fputs("usage: quality_bench FOLDER REPEAT THREADS METHOD...\n", stderr);
+    return 2;
   }
-  nlohmann::ordered_json json;
-  for (const NamedEdit* named : chosen) {
-    const Scene scene(named->make());
-    const std::filesystem::path folder = std::filesystem::path(out) / named->name;
-    if (!out.empty()) {
-      write_rest(folder, scene);
-    }
-    // In turns, so that what else the machine does meets all of them.
-    std::vector<Outcome> outcomes(methods.size());
-    for (int k = 0; k < options.repeat; ++k) {
-      for (std::size_t m = 0; m < methods.size(); ++m) {
-        run_again(methods[m], scene, outcomes[m]);
-      }
-    }
-    nlohmann::ordered_json& row = json[named->name];
-    row = {{"vertices", scene.region.size()}, {"class", named->kind}};
-    for (std::size_t m = 0; m < methods.size(); ++m) {
-      if (!outcomes[m].best) {
-        row[methods[m].name] = {{"failed", outcomes[m].failed}};
+  const fs::path folder = argv[1];
+  const int repeat = std::stoi(argv[2]), threads = std::stoi(argv[3]);
+  const std::vector<std::string> methods(argv + 4, argv + argc);
+  const Problem scene = problem_of(folder);
+  // In turns, so that what else the machine does meets all of them.
+  std::map<std::string, std::optional<MethodResult>> best;
+  nlohmann::json output = {{"region", region_json(scene)}};
+  for (int k = 0; k < repeat; ++k) {
+    for (const std::string& name : methods) {
+      std::optional<MethodResult>& kept = best[name];
+      if (k > 0 && (!kept || name == "ARAP100")) {
         continue;
       }
-      row[methods[m].name] = as_json(measure(scene, *outcomes[m].best));
-      if (!out.empty()) {
-        write_ply(folder / (methods[m].name + ".ply"), outcomes[m].best->positions, scene.edit.mesh.faces);
+      try {
+        MethodResult result = run_method(name, scene, folder, threads);
+        if (kept) {
+          result.prepare_ms = std::min(result.prepare_ms, kept->prepare_ms);
+          result.solve_ms = std::min(result.solve_ms, kept->solve_ms);
+          result.frame_ms = std::min(result.frame_ms, kept->frame_ms);
+        }
+        kept = std::move(result);
+      } catch (const std::exception& problem) {
+        output["methods"][name] = {{"failed", problem.what()}};
       }
     }
-    std::fprintf(stderr, "%s\n", named->name);
   }
-  if (const std::string& file = options.value("--json"); !file.empty()) {
-    std::ofstream(file) << json.dump(1) << '\n';
-  } else {
-    std::puts(json.dump(1).c_str());
+  const Intersections intersections(scene);
+  for (const auto& [name, result] : best) {
+    if (result) {
+      output["methods"][name] = {{"pairs", intersections.count_new(result->positions)},
+                                 {"prepare_ms", result->prepare_ms},
+                                 {"solve_ms", result->solve_ms},
+                                 {"frame_ms", result->frame_ms},
+                                 {"fast_frame", result->fast_frame}};
+      std::ofstream(folder / (name + ".points"), std::ios::binary)
+          .write(reinterpret_cast<const char*>(result->positions.data()),
+                 static_cast<std::streamsize>(result->positions.size() * sizeof(double)));
+    }
   }
+  std::puts(output.dump().c_str());
   return 0;
 }
 
@@ -258,9 +211,6 @@ int run(int argc, char** argv) {
 }  // namespace quality
 
 int main(int argc, char** argv) {
-#ifdef QUALITY_REAL_MESHES
-  setenv("LAPEDIT_MESHES", QUALITY_REAL_MESHES, 0);
-#endif
   try {
     return quality::run(argc, argv);
   } catch (const std::exception& problem) {

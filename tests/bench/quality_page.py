@@ -127,12 +127,11 @@ def targets(edits):
             yield f"{what}, {group}, over {peer}", of.__name__, f"{ratio:.3g}" if ratio <= bound else f"**{ratio:.3g}**", bound
 
 
-def main():
-    with open(sys.argv[1], encoding="utf-8") as file:
-        edits = json.load(file)
+def print_tables(edits):
     present = [method for method in METHODS if any(method in edit for edit in edits.values())]
     if {OURS, "ARAP", "ARAP100"} - set(present):
-        sys.exit("quality_page.py: the tables need the methods default, ARAP and ARAP100.")
+        print("The tables need the methods default, ARAP and ARAP100.")
+        return
     table(("edits", "", "RMS over ARAP's", "over ARAP100's", "largest over ARAP's", "flipped: default, ARAP, ARAP100",
            "new pairs"), against_arap(list(edits.values())))
     everywhere = [method for method in METHODS if all(has_result(edit.get(method)) for edit in edits.values())]
@@ -151,4 +150,5 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    with open(sys.argv[1], encoding="utf-8") as figures:
+        print_tables(json.load(figures))

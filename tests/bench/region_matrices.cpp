@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "region_matrices.h"
+#include "peers.h"
 
 #include <vector>
 
@@ -27,7 +27,7 @@ RegionMatrices matrices_of(const Problem& scene) {
   problem.faces.conservativeResize(faces, 3);
   std::vector<int> held;
   for (int i = 0; i < region.size(); ++i) {
-    problem.rest.row(i) = scene.edit.mesh.vertices.row(region.mesh_vertex[i]);
+    problem.rest.row(i) = scene.mesh.vertices.row(region.mesh_vertex[i]);
     if (region.classes[i] != VertexClass::Free || !has_face[i]) {
       held.push_back(i);
     }
@@ -37,7 +37,7 @@ RegionMatrices matrices_of(const Problem& scene) {
   for (Eigen::Index k = 0; k < problem.held.size(); ++k) {
     const int i = problem.held[k], group = region.group[i];
     const Vector3 rest = problem.rest.row(i).transpose();
-    problem.positions.row(k) = group < 0 ? rest : scene.edit.maps[static_cast<std::size_t>(group)] * rest;
+    problem.positions.row(k) = group < 0 ? rest : scene.maps[static_cast<std::size_t>(group)] * rest;
   }
   return problem;
 }
@@ -58,7 +58,7 @@ MethodResult timed(const Problem& scene, int count,
   }
   result.solve_ms = watch.elapsed();
   result.frame_ms = table::median(frames);
-  result.positions = scene.edit.mesh.vertices;
+  result.positions = scene.mesh.vertices;
   for (int i = 0; i < scene.region.size(); ++i) {
     result.positions.row(scene.region.mesh_vertex[i]) = positions.row(i);
   }

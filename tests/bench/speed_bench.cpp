@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -17,8 +19,8 @@
 #include "cholmod_peer.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/edit/step_solver.h"
+#include "lapedit/mesh/geodesic.h"
 #include "peers.h"
-#include "scene.h"
 #include "table.h"
 
 namespace speed {
@@ -38,6 +40,38 @@ constexpr int kLargestForCgal = 300000;
 /// Milliseconds of each round, by row. A row of bytes has one entry.
 using Runs = std::map<std::string, std::vector<double>>;
 
+void require(bool holds, const char* what, double found) {
+  if (!holds) {
+    throw std::runtime_error(std::string(what) + std::to_string(found));
+  }
+}
+
+/// Returns the handle's motion in a frame: never the same twice.
+lapedit::Affine handle_move(int frame) {
+  const Eigen::Vector3d way(0.1 * std::sin(0.7 * frame + 0.3), 0.1 * std::cos(0.9 * frame),
+                            0.25 + 0.1 * std::sin(0.31 * frame));
+  return lapedit::Affine(Eigen::Translation3d(way));
+}
+
+/// A disc by scene.py: all of it is the region, and the vertex in its middle is the handle.
+Problem make_scene(int vertices) {
+  const auto folder = std::filesystem::temp_directory_path() / ("scene-" + std::to_string(vertices));
+  const std::string command = "python3 '" SPEED_SCENE "' " + std::to_string(vertices) + " '" + folder.string() + "'";
+  require(std::system(command.c_str()) == 0, "scene.py makes no disc of ", vertices);
+  lapedit::TriangleMesh mesh{quality::rows_of<Points>(folder / "points"),
+                             quality::rows_of<lapedit::Faces>(folder / "faces")};
+  std::filesystem::remove_all(folder);
+  int centre = 0;
+  mesh.vertices.leftCols(2).rowwise().norm().minCoeff(&centre);
+  const lapedit::Adjacency adjacency = lapedit::build_adjacency(vertices, mesh.faces);
+  lapedit::GeodesicSearch search({mesh, adjacency});
+  lapedit::RegionSpec spec;
+  spec.radius = search.distance(search.run({centre}, lapedit::kUnreached).back()) * (1 + 1e-12);
+  Problem scene(std::move(mesh), std::move(spec), {{centre}}, {handle_move(0)});
+  require(scene.region.size() == vertices, "the number of the scene's vertices is ", scene.region.size());
+  return scene;
+}
+
 double heap_bytes() {
   const auto info = mallinfo2();
   return static_cast<double>(info.uordblks + info.hblkhd);
@@ -54,12 +88,11 @@ EditSettings settings_of(EditMethod method) {
 Solver make_solver(const Problem& scene, const EditSettings& settings, int threads,
                    std::shared_ptr<const Region> region = nullptr) {
   if (!region) {
-    region = lapedit::find_region(scene.edit.mesh, scene.adjacency, scene.edit.region, scene.edit.handles, {}, threads)
-                 .region;
+    region = lapedit::find_region(scene.mesh, scene.adjacency, scene.spec, scene.handles, {}, threads).region;
   }
   lapedit::StepOptions options;
   options.solver.threads = threads;
-  return std::make_unique<StepSolver>(scene.edit.mesh, lapedit::FoundRegion{std::move(region)}, settings, options);
+  return std::make_unique<StepSolver>(scene.mesh, lapedit::FoundRegion{std::move(region)}, settings, options);
 }
 
 /// As the window does it: large regions have cells in any case.
@@ -68,7 +101,7 @@ void prepare(const Problem& scene, StepSolver& solver, const lapedit::LaplacianS
   if (solver.region().size() >= kPreviewFrom) {
     solver.make_cells();
   }
-  solver.prepare(scene.edit.mesh, previous);
+  solver.prepare(scene.mesh, previous);
 }
 
 /// Returns the region with another handle, and the same anchors.
@@ -86,19 +119,13 @@ std::shared_ptr<const Region> with_handle(Region region, const std::vector<int>&
 /// The handle that the tool takes by default: a disc of a tenth of the region.
 std::vector<int> disc(const Problem& scene) {
   std::vector<int> vertices;
-  const Eigen::RowVector3d centre = scene.edit.mesh.vertices.row(scene.edit.handles[0][0]);
+  const Eigen::RowVector3d centre = scene.mesh.vertices.row(scene.handles[0][0]);
   for (const int v : scene.region.mesh_vertex) {
-    if ((scene.edit.mesh.vertices.row(v) - centre).norm() <= 0.1 * scene.edit.region.radius) {
+    if ((scene.mesh.vertices.row(v) - centre).norm() <= 0.1 * scene.spec.radius) {
       vertices.push_back(v);
     }
   }
   return vertices;
-}
-
-void require(bool holds, const char* what, double found) {
-  if (!holds) {
-    throw std::runtime_error(std::string(what) + std::to_string(found));
-  }
 }
 
 /// One round: a first frame, the region ready, frames, another handle in the region.
@@ -134,11 +161,11 @@ void measure_ours(const Problem& scene, Runs& runs) {
     const double rms = (positions - pose).norm() / std::sqrt(pose.rows()) / handle_move(frame).translation().norm();
     require(rms < 0.03, "the RMS error of a frame of the cells is ", rms);
     ready->frame({handle_move(frame)}, positions);
-    const double largest = (positions - pose).cwiseAbs().maxCoeff() / scene.edit.region.radius;
+    const double largest = (positions - pose).cwiseAbs().maxCoeff() / scene.spec.radius;
     require(largest < 0.01, "the largest error of a frame is ", largest);
   }
 
-  const int home = scene.edit.handles[0][0];
+  const int home = scene.handles[0][0];
   const std::pair<const char*, std::vector<int>> others[] = {
       {"next handle: a vertex", {*scene.adjacency.neighbours[home].begin()}},
       {"next handle: the tool's disc", disc(scene)}};
@@ -155,7 +182,7 @@ void measure_ours(const Problem& scene, Runs& runs) {
 Eigen::SparseMatrix<double> normal_matrix(const Problem& scene, double weight) {
   const Region& region = scene.region;
   const Eigen::SparseMatrix<double> m =
-      lapedit::differential_operator(lapedit::LaplacianKind::Umbrella, region, scene.edit.mesh).matrix;
+      lapedit::differential_operator(lapedit::LaplacianKind::Umbrella, region, scene.mesh).matrix;
   Eigen::SparseMatrix<double> normal = m.transpose() * m;
   for (int i = 0; i < region.size(); ++i) {
     const double w = region.classes[i] == lapedit::VertexClass::Handle   ? weight
@@ -170,12 +197,12 @@ Eigen::SparseMatrix<double> normal_matrix(const Problem& scene, double weight) {
 void check(const Problem& scene, CholmodPeer& cholmod) {
   const EditSettings settings = settings_of(EditMethod::Linear);
   const Solver ours = make_solver(scene, settings, 0);
-  ours->prepare(scene.edit.mesh);
+  ours->prepare(scene.mesh);
   const Points pose = ours->pose({handle_move(0)});
   const Region& region = ours->region();
   Points right = Points::Zero(region.size(), 3), moved = pose;
   for (int i = 0; i < region.size(); ++i) {
-    moved.row(i) -= scene.edit.mesh.vertices.row(region.mesh_vertex[i]);
+    moved.row(i) -= scene.mesh.vertices.row(region.mesh_vertex[i]);
     if (region.classes[i] == lapedit::VertexClass::Handle) {
       right.row(i) = settings.handle_weight * settings.handle_weight * handle_move(0).translation().transpose();
     }
@@ -284,7 +311,7 @@ void print_growth(int vertices) {
   const EditSettings settings;
   Points positions;
   Stopwatch watch;
-  const auto region = lapedit::find_region(scene.edit.mesh, scene.adjacency, scene.edit.region, scene.edit.handles);
+  const auto region = lapedit::find_region(scene.mesh, scene.adjacency, scene.spec, scene.handles);
   std::vector<double> figures = {watch.elapsed()};
   const double before = heap_bytes();
   const Solver solver = make_solver(scene, settings, 0, region.region);
@@ -297,7 +324,7 @@ void print_growth(int vertices) {
     figures.push_back(watch.lap());
   };
   add([&] { solver->frame({handle_move(1)}, positions); });
-  add([&] { solver->prepare(scene.edit.mesh); });
+  add([&] { solver->prepare(scene.mesh); });
   const double held = heap_bytes() - before;
   solver->frame({handle_move(0)}, positions);
   add([&] { solver->frame({handle_move(1)}, positions); });

@@ -219,6 +219,9 @@ TEST(RegionCells, EveryVertexIsInOneConnectedCell) {
     }
   }
   EXPECT_GT(area, 0);
+  for (const auto& [a, b, c] : cells.triangles) {
+    EXPECT_TRUE(a < b && b < c) << "three cells meet";
+  }
 }
 
 }  // namespace

@@ -83,6 +83,18 @@ TEST(GeodesicFalloff, WeightsOfGroupsAddUpToOneWithoutAnchors) {
   }
 }
 
+/// Fails if a soft vertex follows its group in full.
+TEST(GeodesicFalloff, BeginsAtTheVerticesOfTheLargestWeight) {
+  Scene scene;
+  const Points rest = scene.rest();
+  scene.region.handle_weight.assign(scene.region.size(), 1);
+  const int soft = scene.local({2494})[0];
+  scene.region.handle_weight[soft] = 0.5;
+  const Eigen::MatrixXd weights = geodesic_falloff(scene.region, rest).weights;
+  EXPECT_EQ(weights(scene.local({2495})[0], 1), 1);
+  EXPECT_LT(weights(soft, 1), 1);
+}
+
 /// Duplicated vertices, needles, and what is at no distance from a handle or an anchor.
 TEST(GeodesicFalloff, IsFiniteOnDegenerateMeshes) {
   const TriangleMesh mesh = shapes::degenerate_grid(12, 12);

@@ -12,7 +12,6 @@
 
 #include "allocation_watch.h"
 #include "dense_reference.h"
-#include "edit_properties.h"
 #include "lapedit/deform/laplacian_system.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
@@ -37,99 +36,6 @@ TriangleMesh wavy_letters(int nx, int ny) {
   }
   return mesh;
 }
-
-EditCase grid_case() {
-  EditCase edit{"grid", shapes::bumpy_grid(), within(20.5), {{}}, {support::shift(Vector3(4, 0, 20))}, true};
-  for (int j = 25; j < 35; ++j) {
-    edit.handles[0].push_back(60 * 50 + j);
-  }
-  return edit;
-}
-
-EditCase sphere_case() {
-  const TriangleMesh mesh = shapes::icosphere(4);
-  return {"sphere",
-          mesh,
-          within(1.23),
-          {{support::vertex_at(mesh, Vector3(0.3, 0.2, 0.9).normalized())}},
-          {support::shift(Vector3(0.1, 0.2, 0.6))},
-          true};
-}
-
-EditCase bar_case() {
-  const TriangleMesh mesh = shapes::bar(24, 4, 4);
-  return {"bar",
-          mesh,
-          given(vertices_where(mesh, [](const Vector3& p) { return p[0] >= 2; })),
-          {vertices_where(mesh, [](const Vector3& p) { return p[0] > 22; })},
-          {support::rigid(70, Vector3(1, 0.5, 0), Vector3(-3, 1, 5), Vector3(24, 2, 2))},
-          true};
-}
-
-EditCase arm_case() {
-  const TriangleMesh mesh = shapes::tapered_arm(18, 54);
-  return {
-      "arm", mesh, within(7.1), {{static_cast<int>(mesh.vertices.rows()) - 1}}, {support::shift(Vector3(-2, 0.5, 4))},
-      true};
-}
-
-EditCase letters_case() {
-  const TriangleMesh mesh = wavy_letters(80, 40);
-  return {"letters",
-          mesh,
-          within(0.93),
-          {{support::vertex_at(mesh, Vector3(2.1, 1, 0))}},
-          {support::shift(Vector3(0.2, 0, 0.7))}};
-}
-
-EditCase brow_case() {
-  const TriangleMesh mesh = wavy_letters(80, 40);
-  EditCase edit{"brow", mesh, within(0.71), {{}, {}}, {}};
-  for (int i = 30; i < 46; ++i) {  // a curve of handle vertices, and a patch
-    edit.handles[0].push_back(40 * i + 14 + i % 3);
-    edit.handles[1].push_back(40 * (50 + i % 4) + 20 + i / 4);
-  }
-  edit.maps = {support::rigid(25, Vector3::UnitX(), Vector3(0, 0.1, 0.3), Vector3(2, 0.75, 0)),
-               Affine(support::rigid(-40, Vector3(0, 0.2, 1), Vector3(0.1, 0, 0.2), Vector3(2.6, 1.4, 0)) *
-                      Eigen::Translation3d(2.6, 1.4, 0) * Eigen::Scaling(1.4) * Eigen::Translation3d(-2.6, -1.4, 0))};
-  return edit;
-}
-
-// Regular meshes, whose many ties rounding, coordinates or numbers could decide.
-
-/// Vertices exactly at the radius, and at the start of the band of anchors.
-EditCase disc_case() {
-  const TriangleMesh mesh = shapes::grid(31, 31);
-  return {"disc",
-          mesh,
-          within(10),
-          {support::around(mesh, Vector3(13, 16, 0), 2.1)},
-          {support::rigid(50, Vector3(1, 2, 0), Vector3(1, 2, 6), Vector3(13, 16, 0))},
-          true};
-}
-
-EditCase tube_case() {
-  const TriangleMesh mesh = support::open_tube(24, 51, 8);
-  return {"tube", mesh, within(3), {{support::vertex_at(mesh, Vector3(4, 0, 1))}}, {support::shift({0.3, 0.2, 1})},
-          true};
-}
-
-EditCase box_case() {
-  const TriangleMesh mesh = shapes::bar(10, 10, 10);
-  return {"box", mesh, within(8), {{support::vertex_at(mesh, Vector3(5, 5, 10))}}, {support::shift({1, 0.5, 4})}, true};
-}
-
-}  // namespace
-
-INSTANTIATE_TEST_SUITE_P(Generated, EditProperties,
-                         ::testing::Values(NamedCase{"grid", grid_case}, NamedCase{"sphere", sphere_case},
-                                           NamedCase{"bar", bar_case}, NamedCase{"arm", arm_case},
-                                           NamedCase{"letters", letters_case}, NamedCase{"brow", brow_case},
-                                           NamedCase{"disc", disc_case}, NamedCase{"tube", tube_case},
-                                           NamedCase{"box", box_case}),
-                         [](const auto& edit) { return std::string(edit.param.name); });
-
-namespace {
 
 // --- against dense least squares ---
 

@@ -315,6 +315,18 @@ TEST(StepFrame, ThreadsDoNotChangeABit) {
   }
 }
 
+TEST(StepFrame, ThreadsDoNotChangeABitOfPoses) {
+  const Scene s = patches();
+  for (const EditMethod method : {EditMethod::Linear, EditMethod::Paper, EditMethod::Default}) {
+    const Points expected =
+        support::Prepared(s.mesh, s.region, with(method), {StoredScalar::Double, {}, {1}}).pose(s.maps);
+    for (const int threads : {2, 4}) {
+      support::Prepared several(s.mesh, s.region, with(method), {StoredScalar::Double, {}, {threads}});
+      EXPECT_TRUE(same_bits(several.pose(s.maps), expected)) << name(method) << ", " << threads << " threads";
+    }
+  }
+}
+
 TEST(StepFrame, AllocateNothingAfterTheFirst) {
   for (const Scene& s : {letters(), patches(), loose()}) {
     for (const auto& [method, prepares] : kSources) {

@@ -5,9 +5,9 @@ import re
 import time
 import unittest
 
-from tool import PANEL, TOOL, ToolTest, numbers_of, part
+from tool import PANEL, TOOL, ToolTest, part
 from ply import write_ply
-from shapes import dome, in_reach, moved, neighbours, together, within
+from shapes import dome, moved, together
 
 
 class Start(ToolTest):
@@ -145,32 +145,6 @@ class Features(ToolTest):
 
 
 class Gesture(ToolTest):
-    def test_press_drag_release_is_enough(self):
-        with self.start(self.mesh) as w:
-            before = w.dump()
-            x, y = w.pixel(self.CENTRE)
-            # All at once: the region cannot be ready before the button is up again.
-            w.mouse("press", x, y)
-            for i in range(1, 6):
-                w.mouse("move", x + 8 * i, y - 6 * i)
-            w.mouse("release", x + 40, y - 30)
-            w.idle()
-            after = w.dump()
-            self.assert_at(w, self.CENTRE, (x + 40, y - 30))
-            around = neighbours(len(self.points), self.faces)
-            step = self.steps_of(w)[0]
-            radius = step["region"]["radius"]
-            least, most = within(self.points, around, self.CENTRE, radius), in_reach(self.points, self.CENTRE, radius)
-            self.assertLessEqual(before.moved(after), most)
-            self.assertGreater(len(before.moved(after)), len(least) // 2)
-            (logged,) = self.steps_in_log(w)
-            self.assertEqual((logged["step"], logged["handle"]), (1, 1))
-            self.assertTrue(len(least) <= logged["region"] <= len(most), logged)
-            self.assertEqual([n for n in before.differences(after) if n not in ("positions", "normals", "face_normals",
-                                                                                "box")], [])
-            self.assert_finite(after)
-            self.assert_replay_is_the_same(w, self.mesh)
-
     def test_drag_right_after_a_click(self):
         """Qt makes a double click of the second press."""
         with self.start(self.mesh) as w:
@@ -224,19 +198,6 @@ class Region(ToolTest):
                                       {"command": "key", "key": "T", "modifiers": []}, {"command": "on_screen"}]), [])
             w.key(".", "1", "Return")
             self.assertEqual(self.steps_in_log(w)[-1]["region"], 21 * 21)
-
-    def test_fixed_vertices_may_be_selected_before_a_handle(self):
-        with self.start(self.mesh) as w:
-            w.set(part("group_paint"), True)
-            for target, last in (("Region", 30), ("Fixed", 12)):
-                w.layer(selected_vertices=[v for v in range(len(self.points)) if 10 <= v // self.ROWS <= 30 and 10 <= v % self.ROWS <= last])
-                w.set(part("brush_target"), target)
-                w.press_button(part("from_selection"))
-                self.assertNotRegex(self.message(w), "wait")
-            w.set(part("brush_target"), 0)
-            self.pull(w, self.CENTRE, (10, -8))
-            self.assertEqual(numbers_of(self.steps_of(w)[0]["region"]["held"]),
-                             [row * self.ROWS + column for row in range(10, 31) for column in range(10, 13)])
 
 
 class Motion(ToolTest):
@@ -302,9 +263,6 @@ class Motion(ToolTest):
             self.assertEqual(w.camera(), camera)
             self.assertEqual(self.steps_in_log(w), [])
             self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (20, 10)))
-
-    def test_backspace_cancels_a_motion(self):
-        self.cancel(self.by_mouse, lambda w, x, y: w.key("Backspace"))
 
     def test_right_button_cancels_a_motion(self):
         def by_right_button(w, x, y):

@@ -52,6 +52,7 @@ class Gestures(ToolTest):
             self.x_pull(w, start, (40, -55))
             self.assertLess(math.dist(self.on_screen(w, self.CENTRE), (start[0] + 40, start[1] - 55)), 2.5)
             self.assertGreater(self.steps_in_log(w)[0]["handle"], 5)
+            self.assertLessEqual(set(before.differences(w.dump())), {"positions", "normals", "face_normals", "box"})
             self.assert_replay_is_the_same(w, self.mesh)
             self.undo(w)
             self.assert_same(before, w.dump())
@@ -66,39 +67,6 @@ class Gestures(ToolTest):
             w.x_focus()
             w.x("key", "ctrl+q")
             w.wait_end()
-
-    def test_arrow_ring_and_knob(self):
-        with self.window() as w:
-            self.x_click(w, self.CENTRE)
-            self.x_key(w, "v")
-            self.assertEqual(w.widget(part("gizmo"))["currentText"], "Axes of the layer")
-            middle = self.on_screen(w, self.CENTRE)
-            # Seen from above: an arrow to the right along X and one up along Y, a ring about Z of 0.8 of their length
-            # of 90 pixels, and the scale handle on the diagonal, as far.
-            self.x_pull(w, (middle[0] + 60, middle[1]), (45, 30))
-            way = self.last_step(w)["handles"][0]["translation"]
-            self.assertGreater(way[0], 0)
-            self.assertEqual(way[1:], [0, 0])
-            self.undo(w)
-            angle = math.radians(20)
-            on_ring = [(round(middle[0] + 72 * math.cos(a)), round(middle[1] - 72 * math.sin(a)))
-                       for a in (angle, angle + math.radians(50))]
-            self.x_pull(w, on_ring[0], (on_ring[1][0] - on_ring[0][0], on_ring[1][1] - on_ring[0][1]))
-            rotation = self.last_step(w)["handles"][0]["rotation"]
-            self.assertEqual(rotation["axis"], [0, 0, 1])
-            self.assertAlmostEqual(rotation["degrees"], 50, delta=3)
-            self.undo(w)
-            # With Ctrl from when the ring is held on, in steps of 15 degrees.
-            w.x("mousemove", *on_ring[0], "mousedown", 1, "sleep", 0.05, "keydown", "ctrl", "mousemove",
-                on_ring[0][0] - 9, on_ring[0][1] - 20, "sleep", 0.1, "mousemove", *on_ring[1], "sleep", 0.1, "mouseup", 1,
-                "keyup", "ctrl")
-            self.settle(w)
-            self.assertEqual(self.last_step(w)["handles"][0]["rotation"]["degrees"] % 15, 0)
-            self.undo(w)
-            away = round(90 / math.sqrt(2))
-            self.x_pull(w, (middle[0] + away, middle[1] - away), (50, -50))
-            self.assertGreater(self.last_step(w)["handles"][0]["scale"], 1.2)
-            self.assert_replay_is_the_same(w, self.mesh)
 
     def test_other_side_is_shown_and_moved(self):
         with self.window() as w:

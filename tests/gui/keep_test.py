@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Undo, settings, and what is kept of an edit: JSON, filter script, filter history."""
+"""Settings, and what is kept of an edit: JSON, filter script, filter history."""
 import json
 import os
 import re
@@ -11,30 +11,6 @@ from tool import ToolTest, numbers_of, part
 from host import replay
 from ply import Ply, bits_of, write_ply
 from shapes import dome, moved
-
-
-class Regret(ToolTest):
-    def test_undo_and_redo_are_exact_to_the_bit(self):
-        with self.start(self.mesh) as w:
-            def enabled():
-                return [w.widget(part(n))["enabled"] for n in ("undo", "redo", "reset")]
-
-            states = [w.dump()]
-            self.assertEqual(enabled(), [False, False, False])
-            for vertex, by in ((self.CENTRE, (40, -30)), (self.CENTRE + 2, (-10, 25)), (self.CENTRE - 82, (0, -20))):
-                self.pull(w, vertex, by)
-                states.append(w.dump())
-            self.assertEqual(enabled(), [True, False, True])
-            for earlier in reversed(states[:-1]):
-                w.key("Z", modifiers=["ctrl"])
-                self.assert_same(earlier, w.dump())
-            self.assertEqual(enabled(), [False, True, False])
-            for later in states[1:]:
-                w.key("Z", modifiers=["ctrl", "shift"])
-                self.assert_same(later, w.dump())
-            for button, state in (("undo", 2), ("redo", 3), ("reset", 0)):
-                w.press_button(part(button))
-                self.assert_same(states[state], w.dump())
 
 
 class Settings(ToolTest):

@@ -3,7 +3,7 @@
 import json
 import unittest
 
-from tool import TOOL, ToolTest, numbers_of, part
+from tool import TOOL, ToolTest, part
 from ply import write_ply
 
 
@@ -38,20 +38,6 @@ class Values(ToolTest):
             w.trigger(TOOL)
             for name, index in choices.items():
                 self.assertEqual(w.widget(part(name))["currentIndex"], index, name)
-
-    def test_anchors_are_those_of_the_selection(self):
-        with self.start(self.mesh) as w:
-            w.set(part("group_paint"), True)
-            w.set(part("radius"), 0.4)
-            w.set(part("brush_target"), "Fixed")
-            held = [row * self.ROWS + column for row in (23, 24, 25) for column in (23, 24, 25)]
-            w.layer(selected_faces=[f for f, corners in enumerate(self.faces) if set(corners) <= set(held)],
-                    selected_vertices=[self.CENTRE - 3])
-            w.press_button(part("from_selection"))
-            w.set(part("brush_target"), "Off")
-            held = [self.CENTRE - 3, *held]
-            self.pull(w, self.CENTRE, (30, -40))
-            self.assertEqual(numbers_of(self.steps_of(w)[0]["region"]["held"]), held)
 
 
 class Statistics(ToolTest):

@@ -29,38 +29,6 @@ TaskTree star(int leaves) {
   return TaskTree(pattern);
 }
 
-/// Fails if a column is lost, done twice or cut from its parent.
-TEST(TaskTree, TasksCoverAllSupernodesOnceAndKnowTheirParents) {
-  for (const int leaves : {1, 3, 40, 500}) {
-    const TaskTree tree = star(leaves);
-    std::vector<int> seen(leaves + 1, 0);
-    int children = 0;
-    for (std::size_t t = 0; t < tree.tasks.size(); ++t) {
-      const TaskTree::Task& task = tree.tasks[t];
-      ASSERT_LE(task.first_node, task.last_node);
-      for (int s = task.first_node; s <= task.last_node; ++s) {
-        ++seen[s];
-      }
-      for (int c = task.first_child; c < task.last_child; ++c, ++children) {
-        EXPECT_EQ(tree.tasks[tree.child_tasks[c]].parent, static_cast<int>(t));
-      }
-    }
-    EXPECT_EQ(seen, std::vector<int>(leaves + 1, 1));
-    EXPECT_EQ(tree.roots, std::vector<int>{static_cast<int>(tree.tasks.size()) - 1});
-    EXPECT_EQ(children, static_cast<int>(tree.tasks.size()) - 1) << "all but the root";
-    EXPECT_EQ(tree.most_rows, 2);
-  }
-}
-
-/// Fails if what a task hands up does not arrive at the row that it is meant for.
-TEST(TaskTree, ListsNameTheParentsRows) {
-  const TaskTree tree = star(40);
-  ASSERT_EQ(tree.tasks.size(), 41U) << "a branch ends below the supernode that all hang on";
-  EXPECT_EQ(tree.list_rows, std::vector<int>(40, 40));
-  EXPECT_EQ(tree.list_places, std::vector<int>(40, 0)) << "the parent's column";
-  EXPECT_EQ(tree.leaves.size(), 40U);
-}
-
 /// A thread that gets no processor: fails if other tasks wait for it than those above or below its task.
 TEST(TreeWalk, ThreadThatIsHeldUpHoldsUpNothingButItsTask) {
   const TaskTree tree = star(40);

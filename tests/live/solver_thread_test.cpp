@@ -107,6 +107,29 @@ TEST(SolverThread, CancelDropsAllAndNothingComesAfterIt) {
   EXPECT_TRUE(update.error.empty());
 }
 
+/// Also where the work that is left asks no more.
+TEST(SolverThread, CancelAtAnyMomentDropsAll) {
+  std::atomic<int> calls{1};
+  for (int last = 1; calls >= last; ++last) {
+    calls = 0;
+    SolverThread* own = nullptr;
+    SolverThread worker([&] {
+      if (++calls == last) {
+        own->cancel();
+      }
+    });
+    own = &worker;
+    worker.prepare(task_for(kHandle));
+    for (int wait = 0; calls < last && wait < 1000; ++wait) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    SolverPose pose;
+    const SolverUpdate update = worker.poll(pose);
+    EXPECT_FALSE(calls >= last && (update.region || update.ready)) << last;
+  }
+}
+
 #ifdef LAPEDIT_HAVE_NO_THREADS
 TEST(SolverThread, WithoutAThreadForALargeRegionItPreparesItItself) {
   SolverPose expected, pose;

@@ -115,30 +115,6 @@ TEST_P(Sizes, PieceOfAGivenSetComesAlongIfItIsWholeInIt) {
   EXPECT_GT(region.left_out, 0);
 }
 
-TEST_P(Sizes, PieceKeepsItsShapeAndItsPlaceInTheSurface) {
-  const TriangleMesh head = shapes::icosphere(levels());
-  const int own = static_cast<int>(head.vertices.rows());
-  const TriangleMesh mesh = sized(with_ball(head, 0.15, 0.8 * Vector3::UnitZ()));
-  EditStep step;
-  step.region = spec(1.5);
-  const int pole = support::vertex_at(mesh, size() * Vector3::UnitZ());
-  const Vector3 displacement = size() * Vector3(0.3, 0, 0.2);
-  step.handles.emplace_back();
-  step.handles[0].vertices = vertices_within(mesh, support::adjacency_of(mesh), pole, 0.3 * size());
-  step.handles[0].transform.translation = displacement;
-  const Points after = support::edited(mesh, support::apply_step(mesh, step));
-  const auto ball = [own](const Points& points) { return Points(points.bottomRows(points.rows() - own)); };
-  const Vector3 moved = (ball(after).colwise().mean() - ball(mesh.vertices).colwise().mean()).transpose();
-  EXPECT_LT((moved - displacement).norm(), 0.25 * displacement.norm());
-  const Points was = ball(mesh.vertices), is = ball(after);
-  for (Eigen::Index i = 0; i < was.rows(); i += 7) {
-    for (Eigen::Index k = 0; k < i; k += 5) {
-      const double before = (was.row(i) - was.row(k)).norm();
-      EXPECT_NEAR((is.row(i) - is.row(k)).norm(), before, 0.03 * size());
-    }
-  }
-}
-
 TEST_P(Sizes, TipBeyondTheRadiusBelongsToTheRegion) {
   const Vector3 ear(1, 0, 1);
   const TriangleMesh mesh = sized(bumpy_ball(levels(), {ear}, 0.8));

@@ -9,6 +9,7 @@
 #include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/mesh/weld.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -223,6 +224,19 @@ TEST(Connect, LinksTheSidesOfAWallWithAHole) {
   ASSERT_EQ(count, plate.faces.rows() - 8);
   plate.faces.conservativeResize(count, 3);
   EXPECT_EQ(far_from_hole(links_at(plate, 0.3)), expected);
+}
+
+/// Fails if the orientation of one body is carried over to another one across an edge that both have.
+TEST(Connect, LinksTheSidesOfTwoWallsThatShareAnEdge) {
+  TriangleMesh plate = shapes::bar(20, 20, 1), other = plate;
+  plate.vertices.col(2) *= 0.2;
+  other.vertices.col(0) = 40 - plate.vertices.col(0).array();
+  other.vertices.col(2) = -plate.vertices.col(2);
+  other.faces.colwise().reverseInPlace();
+  TriangleMesh both = shapes::together(plate, other, Vector3::Zero());
+  const Weld weld(both.vertices);
+  both.faces = both.faces.unaryExpr([&](int v) { return weld.representative(v); }).eval();
+  EXPECT_EQ(links_at(both, 0.3).size(), 2 * links_at(plate, 0.3).size());
 }
 
 TEST(Connect, LinksNoSidesOfBallsAndLimbs) {

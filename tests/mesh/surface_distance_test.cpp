@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Distances on a surface against the exact ones of plane grids. Those on real meshes: tests/real/geodesic_test.cpp.
+// Distances on a surface against the exact ones of plane and folded grids.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -67,20 +68,25 @@ std::vector<double> uneven(int count, double factor, double ratio) {
   return result;
 }
 
-void expect_near_exact(const TriangleMesh& mesh, int seed) {
+/// @param unfolded  the vertices in a plane
+void expect_near_exact(const TriangleMesh& mesh, int seed, const Points& unfolded) {
   const Adjacency adjacency = support::adjacency_of(mesh);
   GeodesicSearch search({mesh, adjacency});
   search.run({seed}, kUnreached);
   double longest = 0, shortest = kUnreached;
   for (int v = 0; v < mesh.vertices.rows(); ++v) {
     if (v != seed) {
-      const double ratio = search.distance(v) / (mesh.vertices.row(v) - mesh.vertices.row(seed)).norm();
+      const double ratio = search.distance(v) / (unfolded.row(v) - unfolded.row(seed)).norm();
       longest = std::max(longest, ratio);
       shortest = std::min(shortest, ratio);
     }
   }
   EXPECT_LE(longest, kMostTooLong);
   EXPECT_GE(shortest, 1 - kRounding);
+}
+
+void expect_near_exact(const TriangleMesh& mesh, int seed) {
+  expect_near_exact(mesh, seed, mesh.vertices);
 }
 
 TEST(SurfaceDistance, IsNearlyExactOnGridsOfAnyTurn) {
@@ -113,6 +119,35 @@ TEST(SurfaceDistance, IsNearlyExactOnGridsOfUnevenDensity) {
           expect_near_exact(mesh, seed);
         }
       }
+    }
+  }
+}
+
+TEST(SurfaceDistance, IsNearlyExactOnIrregularAndFoldedGrids) {
+  constexpr int kCount = 41;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> some(-0.2, 0.2);
+  for (const Diagonals diagonals : {Diagonals::Single, Diagonals::Alternating, Diagonals::Rows}) {
+    TriangleMesh flat = plane_grid(even(kCount, 1), even(kCount, 1), diagonals, 0), folded = flat;
+    const Eigen::RowVector3d x = flat.vertices.row(1) - flat.vertices.row(0);
+    const Eigen::RowVector3d y = flat.vertices.row(kCount) - flat.vertices.row(0);
+    Points unfolded = flat.vertices;
+    Eigen::RowVector3d at(0, 0, 0);
+    double angle = 0;
+    for (int i = 0; i < kCount; ++i) {
+      for (int j = 0; j < kCount; ++j) {
+        const int v = j * kCount + i;
+        const double along = j > 0 && j + 1 < kCount ? some(random) : 0;
+        unfolded.row(v) = Eigen::RowVector3d(i, j + along, 0);
+        folded.vertices.row(v) = at + Eigen::RowVector3d(0, 0, j + along);
+        flat.vertices.row(v) += along * y + (i > 0 && i + 1 < kCount ? some(random) : 0) * x;
+      }
+      angle += 4 * some(random);
+      at += Eigen::RowVector3d(std::cos(angle), std::sin(angle), 0);
+    }
+    for (const int seed : {20 * kCount + 20, 5 * kCount + 30, kCount + 1}) {
+      expect_near_exact(flat, seed);
+      expect_near_exact(folded, seed, unfolded);
     }
   }
 }

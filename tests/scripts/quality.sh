@@ -3,8 +3,8 @@
 # Measures the shape of edits and compares it with CGAL's ARAP and SR-ARAP, Blender and libigl, in one run: a Markdown table,
 # all figures as JSON, and one picture for each edit with the methods side by side.
 #
-# usage: quality.sh [OPTION of quality_bench]...   for example --edits limb_90,bunny_group, or
-#                                                  --ours NAME=laplacian=cotangent,iterations=3
+# usage: quality.sh [OPTION of quality.py]...   for example --edits limb_90,bunny_group, or
+#                                               --ours 'NAME={"laplacian": "cotangent", "iterations": 3}'
 # QUALITY_OUTPUT: folder of quality.md, quality.json and the pictures; build/quality/result by default.
 # LIBIGL_INCLUDE_DIR: folder of libigl's headers. Debian has no package of it, but MeshLab's source in Debian 13 carries
 # it, and that is fetched where this is not set.
@@ -23,6 +23,7 @@ for package in g++ cmake libeigen3-dev nlohmann-json3-dev libsuitesparse-dev lib
   status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$status" = installed ] || missing="$missing $package"
 done
+python3 -c 'import numpy, scipy' 2>/dev/null || missing="$missing python3-numpy python3-scipy"
 if [ -n "$missing" ]; then
   echo "quality.sh: please install what is missing here: apt install$missing" >&2
   exit 1
@@ -57,10 +58,11 @@ if [ ! -f "$libigl/igl/arap.h" ] && { [ -n "${LIBIGL_INCLUDE_DIR:-}" ] || ! fetc
   echo "quality.sh: libigl's headers are not in $libigl, so it is left out." >&2
   libigl=
 fi
+[ -z "$libigl" ] || set -- --libigl "$@"
 
 cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_BUILD_BENCHMARKS=ON \
-  -DLAPEDIT_MESHES="$meshes" -DLIBIGL_INCLUDE_DIR="$libigl" >/dev/null
-cmake --build "$build" --parallel "$(nproc)" --target quality_bench >/dev/null
+  -DLIBIGL_INCLUDE_DIR="$libigl" >/dev/null
+cmake --build "$build" --parallel "$(nproc)" --target quality_bench make_mesh >/dev/null
 rm -rf "$output"
 mkdir -p "$output/meshes"
 
@@ -69,8 +71,8 @@ commit=$(git rev-parse --short HEAD 2>/dev/null || echo unknown)
 {
   echo "Commit $commit, $(c++ --version | sed -n 1p), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | sed -n 1p), $(nproc) cores."
   echo
-  "$build/tests/bench/quality_bench" --json "$output/quality.json" --out "$output/meshes" "$@"
-  tests/bench/quality_page.py "$output/quality.json"
+  python3 tests/bench/quality.py --program "$build/tests/bench/quality_bench" --make-mesh "$build/common/demo/make_mesh" \
+    ${meshes:+--meshes "$meshes"} --json "$output/quality.json" --out "$output/meshes" "$@"
 } >"$output/quality.md"
 echo "$output/quality.md"
 

@@ -20,6 +20,7 @@ for package in g++ cmake make libeigen3-dev nlohmann-json3-dev libsuitesparse-de
   status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$status" = installed ] || missing="$missing $package"
 done
+python3 -c 'import scipy' 2>/dev/null || missing="$missing python3-scipy"
 if [ -n "$missing" ]; then
   echo "speed.sh: please install what is missing here: apt install$missing" >&2
   exit 1

@@ -6,6 +6,7 @@
 
 #include "drag_support.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/session/painting.h"
 #include "play.h"
 
 // What is painted as a whole, the lasso, curves of the handle's fall-off, and drags about a pivot.
@@ -118,6 +119,20 @@ TEST(DragPaint, VerticesThatTheMeshLacksAreRefused) {
       "keep a; anchors 30,30 60,0; says 'The mesh has 3600 vertices'; handle 0,-1 30,30; says 'The mesh has 3600 "
       "vertices'; same held a; groups none",
       shapes::grid(60, 60));
+}
+
+TEST(DragPaint, KeptAnchorsAreEnoughBeforeTheRegionIsKnown) {
+  const TriangleMesh mesh = shapes::grid(60, 60);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const DragSettings settings;
+  Selection selection;
+  selection.has_region = true;
+  selection.region = support::given({at(30, 30), at(30, 31), at(30, 32), at(30, 33)});
+  selection.region.anchors = {{at(30, 33)}, {1}, {1}, 3};
+  selection.groups = {{kMiddle}};
+  const Choice choice = with_anchors({mesh, adjacency, settings}, selection, {at(30, 32)});
+  ASSERT_TRUE(std::holds_alternative<Selection>(choice));
+  EXPECT_EQ(std::get<Selection>(choice).region.anchors.vertices, std::vector<int>{at(30, 32)});
 }
 
 TEST(DragPaint, HandleThatIsNotThereIsNotInverted) {

@@ -9,6 +9,8 @@
 #include "drag_support.h"
 #include "lapedit/edit/fit_step.h"
 #include "lapedit/mesh/vertex_finder.h"
+#include "lapedit/mesh/vertex_set.h"
+#include "lapedit/session/curve_bend.h"
 #include "lapedit/session/drag_session.h"
 #include "play.h"
 #include "support.h"
@@ -273,6 +275,21 @@ TEST(DragCurve, BendsByAPointWhileTheOthersHold) {
   window.undo(2);
   EXPECT_TRUE(same_bits(window.host(), rest));
   EXPECT_EQ(window.session.selection().discs.curves[0].points.size(), 3U);
+}
+
+TEST(DragCurve, ClosedOneBendsOnBothSidesOfItsFirstPoint) {
+  HandleCurve square;
+  for (const int v :
+       {at(20, 20), at(21, 20), at(22, 20), at(22, 21), at(22, 22), at(21, 22), at(20, 22), at(20, 21), at(20, 20)}) {
+    square.path.push_back(v);
+  }
+  square.points = {0, 2, 4, 6, 8};
+  const std::vector<int> group = sorted_set(square.path);
+  for (const int point : {0, 4}) {
+    const std::vector<double> weights = bend_weights(shapes::grid(60, 60), group, square, point);
+    EXPECT_GT(weights[index_in(group, at(21, 20))], 0.4);
+    EXPECT_NEAR(weights[index_in(group, at(20, 21))], weights[index_in(group, at(21, 20))], 1e-12);
+  }
 }
 
 TEST(DragCurve, PressBetweenItsPointsMovesAllOfIt) {

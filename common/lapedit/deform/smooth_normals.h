@@ -45,8 +45,7 @@ class SmoothingKernel {
 /// mean edges.
 ///
 /// An edit bends a region on the scale of its size, so clearly smaller features are detail and should rotate as a
-/// whole. Below 0.2 the details of the grid of detail_orientation_test tilt more and pulled limbs stretch more; above
-/// 0.4 limbs lose their own detail.
+/// whole. Below 0.2 the bumps of a grid tilt more and pulled limbs stretch more; above 0.4 limbs lose their own detail.
 double automatic_normal_radius(const Region& region, const Points& rest);
 
 }  // namespace lapedit
