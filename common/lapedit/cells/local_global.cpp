@@ -90,7 +90,7 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
       system_(system),
       averages_(cells.count()),
       covariances_(cells.count()),
-      loose_(cells.count()),
+      loose_{std::vector<Matrix3>(cells.count())},
       before_(cells.neighbours.values.size()),
       rotating_{OperatorRows::Rows(system.differential_operator()), {}, {}, {}} {
   rotating_.edges.resize(rotating_.m.nonZeros(), 3);
@@ -99,8 +99,8 @@ LocalGlobal::LocalGlobal(const RegionCells& cells, const CellSurface& surface, c
 }
 
 void LocalGlobal::start(const Points& rigid, const std::vector<Matrix3>& linear, bool targets) {
-  part_ = &system_.loose(targets);
-  loose_.resize(1 + *std::max_element(part_->begin(), part_->end()));
+  loose_.of = &system_.loose(targets);
+  loose_.rotations.resize(1 + *std::max_element(loose_.of->begin(), loose_.of->end()));
   if (rigid_.rows() == rigid.rows() && rigid_ == rigid && linear_ == linear) {
     return;  // in a drag, `rigid` is the rest pose in every frame
   }
@@ -142,26 +142,27 @@ void LocalGlobal::fit(const Points& displacement, std::vector<Matrix3>& rotation
     }
   }
   nearest_rotations(covariances_.data(), cells_.count(), rotations.data());
-  if (!loose_.empty()) {
+  if (!loose_.rotations.empty()) {
     hang(rotations);
   }
 }
 
 /// Gives each loose part the mean rotation of the cells around it.
 void LocalGlobal::hang(std::vector<Matrix3>& rotations) {
-  const std::vector<int>& part = *part_;
-  std::fill(loose_.begin(), loose_.end(), Matrix3::Zero());
+  const std::vector<int>& part = *loose_.of;
+  std::vector<Matrix3>& mean = loose_.rotations;
+  std::fill(mean.begin(), mean.end(), Matrix3::Zero());
   for (int a = 0; a < cells_.count(); ++a) {
     for (int k = cells_.neighbours.offsets[a]; k < cells_.neighbours.offsets[a + 1]; ++k) {
       if (const int of = part[cells_.neighbours.values[k]]; of >= 0 && part[a] < 0) {
-        loose_[of] += cells_.crossing[k] * rotations[a];
+        mean[of] += cells_.crossing[k] * rotations[a];
       }
     }
   }
-  nearest_rotations(loose_.data(), static_cast<int>(loose_.size()), loose_.data());
+  nearest_rotations(mean.data(), static_cast<int>(mean.size()), mean.data());
   for (int a = 0; a < cells_.count(); ++a) {
     if (part[a] >= 0) {
-      rotations[a] = loose_[part[a]];
+      rotations[a] = mean[part[a]];
     }
   }
 }

@@ -53,6 +53,10 @@ class LocalGlobal {
     Points edges, sums;           // -M_ab (C_a - C_b) per entry of m, moved rigidly; its sums over rows
     std::vector<double> columns;  // of R - I per cell, four numbers each
   };
+  struct Loose {
+    std::vector<Matrix3> rotations;        // of the loose parts
+    const std::vector<int>* of = nullptr;  // CoarseSystem::loose()
+  };
   void fit(const Points& displacement, std::vector<Matrix3>& rotations);
   void hang(std::vector<Matrix3>& rotations);
   void rotate(const std::vector<Matrix3>& rotations, Points& rotated);
@@ -61,11 +65,11 @@ class LocalGlobal {
   const CellSurface& surface_;
   const std::vector<double>&hold_, &inertia_;
   CoarseSystem& system_;
-  const std::vector<int>* part_ = nullptr;  // of CoarseSystem::loose()
-  ThreadPool alone_{1};                     // for some hundred cells a second thread saves no time
+  ThreadPool alone_{1};  // for some hundred cells a second thread saves no time
   Points result_, rigid_, smooth_before_, smooth_after_, normals_before_, scratch_, next_, rotated_;
   MatrixAverages averages_;
-  std::vector<Matrix3> linear_, covariances_, loose_;
+  std::vector<Matrix3> linear_, covariances_;
+  Loose loose_;
   std::vector<Vector3> before_;  // per entry of neighbours: g_ab (P0_b - P0_a)
   Rotating rotating_;
 };
