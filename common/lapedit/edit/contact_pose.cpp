@@ -285,9 +285,20 @@ Eigen::VectorXd ContactPose::pressures(const Eigen::VectorXd& missing, double st
   for (int set = 0; set < kMostSets && pressing != next; ++set) {
     checkpoint();
     pressing.swap(next);
-    const Eigen::MatrixXd part = compliance(pressing, pressing);
+    const auto size = static_cast<Eigen::Index>(pressing.size());
+    Eigen::MatrixXd part(size, size);
+    Eigen::VectorXd right(size);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      right[i] = missing[pressing[i]];
+      for (Eigen::Index j = 0; j < size; ++j) {
+        part(j, i) = compliance(pressing[j], pressing[i]);
+      }
+    }
+    part.llt().solveInPlace(right);
     pressure.setZero();
-    pressure(pressing) = part.llt().solve(missing(pressing));
+    for (Eigen::Index i = 0; i < size; ++i) {
+      pressure[pressing[i]] = right[i];
+    }
     const Eigen::VectorXd open = missing - compliance * pressure;
     next.clear();
     for (int k = 0; k < count; ++k) {
