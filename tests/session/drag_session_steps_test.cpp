@@ -10,8 +10,8 @@
 #include "lapedit/edit/fit_step.h"
 #include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
-#include "lapedit/session/curve_bend.h"
 #include "lapedit/session/drag_session.h"
+#include "lapedit/session/session_solver.h"
 #include "play.h"
 #include "support.h"
 

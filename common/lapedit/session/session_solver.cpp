@@ -26,10 +26,24 @@ double rise(double fraction, bool free_point, bool free_neighbour) {
                           : fraction * fraction * (3 - 2 * fraction);
 }
 
-/// Returns the weight of each handle vertex in the displacement of one point of a curve: 1 at the point, 0 from the
-/// next points on, smooth along the curve. Towards an end the curve swings freely; between points it keeps its
-/// direction at them. Equal displacements of all points translate the curve.
-/// @param group  the handle's vertices, ascending. @param point  number among curve.points
+/// Returns the point of a curve near the mirror image of another point, -1 if there is none.
+int mirrored_point(const TriangleMesh& mesh, const HandleCurve& curve, int point, const Affine& mirror) {
+  constexpr double kOfWay = 0.25;  // of the distance from the point to its image
+  const Vector3 position = position_of(mesh.vertices, curve.path[curve.points[point]]), image = mirror * position;
+  double nearest = kOfWay * (image - position).norm();
+  int found = -1;
+  for (int k = 0; k < static_cast<int>(curve.points.size()); ++k) {
+    const double distance = (position_of(mesh.vertices, curve.path[curve.points[k]]) - image).norm();
+    if (k != point && distance < nearest) {
+      nearest = distance;
+      found = k;
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
 std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int>& group, const HandleCurve& curve,
                                  int point) {
   const std::vector<int>& path = curve.path;
@@ -62,24 +76,6 @@ std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int
   }
   return weights;
 }
-
-/// Returns the point of a curve near the mirror image of another point, -1 if there is none.
-int mirrored_point(const TriangleMesh& mesh, const HandleCurve& curve, int point, const Affine& mirror) {
-  constexpr double kOfWay = 0.25;  // of the distance from the point to its image
-  const Vector3 position = position_of(mesh.vertices, curve.path[curve.points[point]]), image = mirror * position;
-  double nearest = kOfWay * (image - position).norm();
-  int found = -1;
-  for (int k = 0; k < static_cast<int>(curve.points.size()); ++k) {
-    const double distance = (position_of(mesh.vertices, curve.path[curve.points[k]]) - image).norm();
-    if (k != point && distance < nearest) {
-      nearest = distance;
-      found = k;
-    }
-  }
-  return found;
-}
-
-}  // namespace
 
 SessionSolver::SessionSolver(SessionModel& model, std::function<void()> wake)
     : model_(model), worker_(std::move(wake)) {}

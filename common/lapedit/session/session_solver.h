@@ -186,4 +186,11 @@ class SessionSolver {
   SolverThread worker_;  // last: its thread ends first
 };
 
+/// Returns the weight of each handle vertex in the displacement of one point of a curve: 1 at the point, 0 from the
+/// next points on, smooth along the curve. Towards an end the curve swings freely; between points it keeps its
+/// direction at them. Equal displacements of all points translate the curve.
+/// @param group  the handle's vertices, ascending. @param point  number among curve.points
+std::vector<double> bend_weights(const TriangleMesh& mesh, const std::vector<int>& group, const HandleCurve& curve,
+                                 int point);
+
 }  // namespace lapedit
