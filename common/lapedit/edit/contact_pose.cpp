@@ -433,7 +433,17 @@ void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& c
   pose_ = rest_->local;
   converged_ = true;
   Points reached = rest_->local;
-  for (std::size_t k = 0; k < path.size() && converged_; ++k) {
+  std::size_t first = 0, last = path.size() - 1;  // the first pose that crosses something is one of these
+  while (first < last) {
+    const std::size_t middle = (first + last) / 2;
+    const bool clear = surface_->is_clear(whole(path[middle]), *system.pool);
+    first = clear ? middle + 1 : first;
+    last = clear ? last : middle;
+  }
+  if (first > 0) {
+    pose_ = reached = path[first - 1];
+  }
+  for (std::size_t k = first; k < path.size() && converged_; ++k) {
     step_ = largest_row(path[k] - reached);
     converged_ = approach(path[k]);
     if (!converged_) {
