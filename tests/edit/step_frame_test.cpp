@@ -336,7 +336,7 @@ TEST(StepFrame, AllocateNothingAfterTheFirst) {
       drag.rested(maps);
       ASSERT_GT(allocations.load(), before_all);  // or the count does not count
       // A sanitizer allocates for a thread that starts: they have to be there.
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
       const long before = allocations;
       for (int frame = 0; frame < 5; ++frame) {
         maps[0].map.translation().x() += 0.01;
