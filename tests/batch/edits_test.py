@@ -640,6 +640,7 @@ class SameSurface(Edits):
             self.assertLess(max(sections) - min(sections), 0.05)
 
     def test_wires_bend_evenly(self):
+        largest = 0
         for around, rings, length in ((3, 121, 150), (5, 201, 200), (6, 251, 300)):
             mesh = tube(around, rings, length, closed=False)
             held, grip = between(mesh, -1, 0.05 * length), between(mesh, 0.95 * length, length + 1)
@@ -649,6 +650,17 @@ class SameSurface(Edits):
                 along /= np.linalg.norm(along, axis=1, keepdims=True)
                 bends = np.arccos(np.clip((along[1:] * along[:-1]).sum(1), -1, 1))
                 self.assertLess(bends.max(), 3.5 * bends.mean(), (around, degrees))
+                largest = max(largest, bends.max() / bends.mean())
+        print(f"joints bend by at most {largest:.1f} times the mean")
+
+    def test_pulled_spring_keeps_its_lengths(self):
+        """Of six turns, to twice its height."""
+        points, faces = tube(8, 181, 1, closed=False)
+        angle, out, up = 12 * np.pi * points[:, 0], 10 + points[:, 1], points[:, 2]
+        mesh = np.stack([out * np.cos(angle), out * np.sin(angle), 24 * points[:, 0] + up], 1), faces
+        _, report = run(mesh, step(handle(range(32)), handle(range(len(points) - 32, len(points)), translation=(0, 0, 24))))
+        print(f"a spring stretches by {100 * report['stretch_rms']:.1f} %")
+        self.assertLess(report["stretch_rms"], 0.015)
 
     def test_hill_on_a_grid_is_round(self):
         """The largest deviation of the radius at which a hill has a fraction of its height, over the mean of 16 directions."""

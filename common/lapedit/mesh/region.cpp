@@ -155,7 +155,7 @@ void RegionBuilder::collect_handles() {
   std::sort(handles_.begin(), handles_.end());
 }
 
-/// Flags the vertices of a given set, which has to contain the handles.
+/// Marks the vertices of the given set. Throws unless the handles are among them.
 void RegionBuilder::flag_set() {
   if (spec_.vertices.empty()) {
     throw EditError(ErrorCause::EmptyRegion, "The region has no vertices: select the part of the surface to edit.")
