@@ -696,13 +696,15 @@ class Shape(Edits):
     def test_bent_limb_stays_whole_and_round(self):
         """With passes over the vertices alone, a fine limb would get flat."""
         for around, rings, degrees, lost in ((16, 60, 60, 0.1), (16, 60, 120, 0.35), (16, 60, 179, 0.5), (160, 30, 60, 0.1), (160, 30, 120, 0.35)):
-            reports = [self.bent(tube(around, rings, 12), 1, 10.4, degrees, **settings)[1] for settings in ({}, {"method": "paper"})]
-            report = reports[0]
+            mesh = tube(around, rings, 12)
+            (poses, report), (_, of_paper) = (self.bent(mesh, 1, 10.4, degrees, **settings) for settings in ({}, {"method": "paper"}))
             self.assertEqual(report["flipped"], 0, (around, degrees))
             self.assertLess(report["handle_residual"], 0.01 * report["handle_displacement"])
             self.assertGreater(report["volume_change"], -lost * report["volume"], (around, degrees))
             if around == 16:
-                self.assertLess(report["stretch_rms"], 0.95 * reports[1]["stretch_rms"])
+                spokes = poses[0][:-2].reshape(rings, around, 3)
+                self.assertGreater(np.linalg.norm(spokes - spokes.mean(1, keepdims=True), axis=2).mean(1).min(), 0.9, degrees)
+                self.assertLess(report["stretch_rms"], 0.9 * of_paper["stretch_rms"], degrees)
                 self.assertLess(report["stretch_max"], 0.8)
 
     def test_membrane_spreads_stretch(self):
@@ -773,12 +775,12 @@ class Shape(Edits):
             settings = {"method": method, "laplacian": laplacian, **(ones if method != "default" else {}), **({"normal_radius": radius} if radius else {})}
             found = [measure(way, settings) for way in ((0, 0, 40), (30, 0, 60))]
             print("|" + "|".join(map(str, (laplacian, method, radius, *(f"{degrees:.1f}|{height:.2f}" for degrees, height in found)))) + "|")
-            for (degrees, height), reference, most in zip(found, references, (12, 19.5)):
+            for (degrees, height), reference, most, off in zip(found, references, (12, 19.5), (0.33, 0.48)):
                 if reference:
                     self.assertAlmostEqual(degrees, reference, delta=0.05 * reference)
                 elif method == "default":
                     self.assertLess(degrees, most)
-                self.assertAlmostEqual(height, 3, delta=0.8 if reference else 0.5)
+                self.assertAlmostEqual(height, 3, delta=off if method == "default" else 0.3 if (laplacian, reference) == ("umbrella", 22.1) else 0.71)
 
 
 class Advice(Edits):
