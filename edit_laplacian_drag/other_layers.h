@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "lapedit/live/background_task.h"
+#include "lapedit/session/background_task.h"
 #include "lapedit/session/snap.h"
 #include "lapedit_host/tool/host_view.h"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes PLY, OBJ, OFF and STL in all forms that the program reads, for tests/batch/ and tests/fuzz/. A mesh is a list of
+"""Writes PLY, OBJ, OFF and STL in all forms that the program reads, for tests/cli/ and tests/fuzz/. A mesh is a list of
 points and a list of polygons."""
 import itertools
 import math

@@ -5,7 +5,7 @@ Finds the installed MeshLab and the headers that belong to it.
 Result:
   MeshLab_FOUND, MeshLab_VERSION (of the headers)
   MeshLab_API         generation of the plugin interface: 2020 or 2022, decided by the headers
-  MeshLab_APIS        folders of common/lapedit_host/ that hold the adapter, without "api_"
+  MeshLab_APIS        folders of common/meshlab/ that hold the adapter, without "api_"
   MeshLab::common     imported target: library, headers, Qt and OpenGL
 
 Cache variables:

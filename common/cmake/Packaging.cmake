@@ -17,7 +17,7 @@ set(_files "${PROJECT_BINARY_DIR}/package")
 set(_metainfo "${_files}/net.meshlab.meshlab.laplacian_edit.metainfo.xml")
 configure_file("${CMAKE_CURRENT_LIST_DIR}/package/metainfo.xml.in" "${_metainfo}" @ONLY)
 install(FILES "${_metainfo}" DESTINATION share/metainfo)
-set(_program "${PROJECT_SOURCE_DIR}/filter_laplacian_edit/program")
+set(_program "${PROJECT_SOURCE_DIR}/common/cli")
 install(FILES "${_program}/laplacian-edit.1" DESTINATION share/man/man1)
 install(FILES "${_program}/completion.bash" DESTINATION share/bash-completion/completions RENAME laplacian-edit)
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import coo_array
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tests/batch"), str(ROOT / "tests/hosts")]
+sys.path[:0] = [str(ROOT / "tests/cli"), str(ROOT / "tests/compat")]
 
 import ply_meshes  # noqa: E402
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of common/docs/peers.md from quality.json of tests/scripts/quality.sh: the default against as-rigid-as-possible
+"""Tables of common/docs/peers.md from quality.json of tests/bench/quality.sh: the default against as-rigid-as-possible
 deformation by class, evenness, the shape of each edit, how often each peer does better, times, and the project's targets,
 of which missed ones are bold.
 

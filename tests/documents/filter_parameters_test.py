@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tables of the filters' parameters have the names, types, defaults and choices that the filters have. The ranges are those
-of the JSON keys, which json_keys_test.py tries; tests/batch/refusal_test.py shows that a filter refuses other values."""
+of the JSON keys, which json_keys_test.py tries; tests/cli/refusal_test.py shows that a filter refuses other values."""
 import json
 import os
 import pathlib

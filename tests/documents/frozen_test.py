@@ -36,7 +36,7 @@ def filters():
 
 
 def program():
-    document = Document(pathlib.Path("filter_laplacian_edit/program/README.md"))
+    document = Document(pathlib.Path("common/cli/README.md"))
     for row in document.rows("Options"):
         for option in code(row[0]):
             yield f"program: {option}"

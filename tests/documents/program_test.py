@@ -22,8 +22,8 @@ class Program(WithProgram):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.document = Document(pathlib.Path("filter_laplacian_edit/program/README.md"))
-        cls.manual = (ROOT / "filter_laplacian_edit/program/laplacian-edit.1").read_text(encoding="utf-8")
+        cls.document = Document(pathlib.Path("common/cli/README.md"))
+        cls.manual = (ROOT / "common/cli/laplacian-edit.1").read_text(encoding="utf-8")
 
     def help(self):
         return self.run_program(PROGRAM, "--help").stdout

@@ -33,7 +33,7 @@ class Release(unittest.TestCase):
         self.assertIn(newest, ("Unreleased", f"{self.version} ({self.date})"))
 
     def test_manual(self):
-        manual = text_of("filter_laplacian_edit/program/laplacian-edit.1")
+        manual = text_of("common/cli/laplacian-edit.1")
         self.assertIn(f'\n.TH LAPLACIAN-EDIT 1 {self.date} "laplacian-edit {self.version}" ', manual)
 
     def test_debian(self):

@@ -21,7 +21,7 @@ LIST = pathlib.Path(__file__).with_name("faults.txt")
 TESTS = {"base": ["base_tests", "deform_tests", "fit_tests"], "mesh": ["mesh_tests", "edit_tests", "session_tests", "command.landmarks", "command.edits"],
          "linear": ["linear_tests", "deform_tests"], "deform": ["deform_tests", "edit_tests", "command.edits"], "cells": ["cells_tests", "edit_tests", "command.edits"],
          "fit": ["fit_tests", "edit_tests", "command.fit", "command.fits"], "edit": ["edit_tests", "json_tests", "command.program", "command.edits", "command.landmarks", "command.fits"],
-         "live": ["live_tests", "session_tests"], "session": ["session_tests"], "json": ["json_tests", "command.landmarks", "command.program"],
+         "session": ["session_tests"], "json": ["json_tests", "command.landmarks", "command.program"],
          "host": ["bridge_tests", "host.*"], "filter": ["host.*"], "program": ["command.(program|formats|fit)"],
          "tool": ["gui.*"], "python": ["python.(wheels|newest)"]}
 TARGETS = {"host": ["all"], "filter": ["all"], "tool": ["all"], "python": ["laplacian_edit_program"]}

@@ -55,8 +55,8 @@ emulated() {
 
 # edits PROGRAM GENERATED MESHES: makes recorded edits, and compares their coordinates with the stored ones
 edits() {
-  "$here/../hosts/write_results.sh" "$1" "$2" "$3" "$work/results"
-  python3 "$here/../hosts/compare.py" --stored "$work/results"
+  "$here/../compat/write_results.sh" "$1" "$2" "$3" "$work/results"
+  python3 "$here/../compat/compare.py" --stored "$work/results"
 }
 
 linux_x86_64() {
@@ -87,7 +87,7 @@ windows() {
   done
   emulated "$wine" "$work/cp311/site/bin/laplacian-edit.exe"
   LAPEDIT_OTHER_READERS=OFF LAPEDIT_STAGE=none LAPEDIT_MESHES='' LAPEDIT_COMMAND=$work/laplacian-edit \
-    python3 "$here/../batch/formats_test.py" Damage.test_no_faces Damage.test_selection_of_meshlab
+    python3 "$here/../cli/formats_test.py" Damage.test_no_faces Damage.test_selection_of_meshlab
   edits "$work/laplacian-edit" "$generated" "$meshes"
 }
 

@@ -7,4 +7,4 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 [ $# -eq 1 ] || { sed -n '/^# usage/p' "$0" >&2; exit 2; }
 # Threads count without locks, which would make the tests ten times as slow: a count may come out negative.
-gcovr --gcov-ignore-parse-errors --root . --filter common/lapedit/ --object-directory "$1" --fail-under-line 95 "$1/common"
+gcovr --gcov-ignore-parse-errors --root . --filter common/core/ --filter common/session/ --object-directory "$1" --fail-under-line 95 "$1/common"

@@ -5,7 +5,7 @@
 #
 # usage: release.sh [FOLDER]     FOLDER: where they go, replaced; by default build/release
 #
-# It needs Debian 12 and roots of the Debian releases (tests/hosts/root.sh; LAPEDIT_HOSTS_DIR as there).
+# It needs Debian 12 and roots of the Debian releases (tests/compat/root.sh; LAPEDIT_HOSTS_DIR as there).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 folder=$(realpath -m "${1:-build/release}")
@@ -16,7 +16,7 @@ trap 'rm -rf "$work"' EXIT
 
 common/scripts/source_tarball.sh "$folder"
 for suite in bookworm trixie sid; do
-  package=$(tests/hosts/build_package.sh "$suite" "$work/$suite")
+  package=$(tests/compat/build_package.sh "$suite" "$work/$suite")
   mv "$package" "$folder"
 done
 common/scripts/build_wheels.sh "$work/wheels"

@@ -3,7 +3,7 @@
 # Lays the two plugins out as MeshLab's own repository would have them, and prints how large that patch is.
 #
 # usage: upstream_patch.sh [--build | --extra] [FOLDER]
-#   --build  also builds them there, in MeshLab 2025.07's own source: in the root of sid that tests/hosts/root.sh makes
+#   --build  also builds them there, in MeshLab 2025.07's own source: in the root of sid that tests/compat/root.sh makes
 #   --extra  the same, but in a project that has MeshLab's source as a submodule, as meshlab-extra-plugins has
 #   FOLDER   where the files go, replaced; by default build/upstream
 set -euo pipefail
@@ -22,12 +22,12 @@ mkdir -p "$filter/lapedit" "$filter/lapedit_host/tool" "$tool/lapedit"
 cd "$project"
 
 # Of the host layer the newest interface alone.
-cp -r common/lapedit/{base,mesh,linear,deform,cells,fit,edit,json} "$filter/lapedit"
-cp common/lapedit_host/*.{h,cpp} common/lapedit_host/api_2022/*.h common/lapedit_host/api_2022/parameters_2025/*.h "$filter/lapedit_host"
-cp common/lapedit_host/tool/*.{h,cpp} "$filter/lapedit_host/tool"
-cp -r common/lapedit_vcg "$filter"
+cp -r common/core/{base,mesh,linear,deform,cells,fit,edit,json} "$filter/lapedit"
+cp common/meshlab/*.{h,cpp} common/meshlab/api_2022/*.h common/meshlab/api_2022/parameters_2025/*.h "$filter/lapedit_host"
+cp common/meshlab/tool/*.{h,cpp} "$filter/lapedit_host/tool"
+cp -r common/meshlab/vcg "$filter/lapedit_vcg"
 cp filter_laplacian_edit/*.{h,cpp} "$filter"
-cp -r common/lapedit/{live,session} "$tool/lapedit"
+cp -r common/session "$tool/lapedit"
 cp edit_laplacian_drag/*.{h,cpp,qrc,png} "$tool"
 
 version=$(sed -n 's/^project(laplacian_edit VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)
@@ -36,7 +36,7 @@ list() {
   (cd "$1" && find . -name '*.cpp' | sort | sed 's,^\./,\t\t,')
 }
 kernels() {
-  awk '/^set\(kernel_options|^set_source_files_properties\(/ { on = 1 } on { print "\t" $0 } /\)$/ { on = 0 }' common/CMakeLists.txt
+  awk '/^set\(kernel_options|^set_source_files_properties\(/ { on = 1 } on { gsub("core/", "lapedit/"); print "\t" $0 } /\)$/ { on = 0 }' common/CMakeLists.txt
 }
 cat >"$filter/CMakeLists.txt" <<END
 # SPDX-License-Identifier: GPL-3.0-or-later
@@ -106,15 +106,15 @@ of() {
     row 'tool' $(of "$tool" -maxdepth 1)
     row 'two `CMakeLists.txt`, resource list' "$filter/CMakeLists.txt" "$tool/CMakeLists.txt" "$tool"/*.qrc
     row 'all, with two lines more in `src/CMakeLists.txt`, and an icon' $(find "$folder" -type f ! -name '*.png')
-    row 'omitted: the program' $(of filter_laplacian_edit/program)
-    row 'omitted: other MeshLabs' $(of common/lapedit_host/api_2020 common/lapedit_host/api_2022/parameters_2022)
+    row 'omitted: the program' $(of common/cli)
+    row 'omitted: other MeshLabs' $(of common/meshlab/api_2020 common/meshlab/api_2022/parameters_2022)
     row 'omitted: finding MeshLab, packages' $(find common/cmake common/scripts -type f)
   }
 } | tee "$folder/size.md"
 [ -n "$build" ] || exit 0
 
-# shellcheck source=tests/hosts/build_root.sh
-. "$project/tests/hosts/build_root.sh" sid
+# shellcheck source=tests/compat/build_root.sh
+. "$project/tests/compat/build_root.sh" sid
 # shellcheck disable=SC2016
 "${root_sh[@]}" run "$root" "${options[@]}" --bind-ro "$folder=/patch" --env "BUILD=$build" -- sh -euc '
   version=$(dpkg-query -W -f "\${source:Version}" meshlab)
@@ -122,7 +122,7 @@ of() {
   cd /upstream
   rm -rf source build
   mkdir source
-  tarball=$(echo /double/meshlab_"${version%-*}".orig.tar.*) # as tests/hosts/double.sh has left it
+  tarball=$(echo /double/meshlab_"${version%-*}".orig.tar.*) # as tests/compat/double.sh has left it
   if [ ! -f "$tarball" ]; then
     { apt-get -q update && apt-get -q -o APT::Sandbox::User=root source --download-only --tar-only "meshlab=$version"; } \
       >source.log 2>&1 || { cat source.log; exit 1; }

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lapedit_host/mesh_bridge.h"
+
+#include <gtest/gtest.h>
+
+#include <vcg/complex/algorithms/update/bounding.h>
+#include <vcg/complex/algorithms/update/normal.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "host_support.h"
+#include "lapedit/base/error.h"
+#include "lapedit_host/pose_writer.h"
+#include "shapes.h"
+#include "support.h"
+
+namespace lapedit::host::mesh_bridge_test {
+namespace {
+
+constexpr Scalarm kNaN = std::numeric_limits<Scalarm>::quiet_NaN();
+
+void host_normals(CMeshO& host) {
+  vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(host);
+  vcg::tri::UpdateNormal<CMeshO>::PerVertexAngleWeighted(host);
+  vcg::tri::UpdateBounding<CMeshO>::Box(host);
+}
+
+/// Moves the given vertices of the bridged mesh by an offset.
+EditResult shift(const BridgedMesh& bridged, const std::vector<int>& vertices, const Vector3& offset) {
+  EditResult result;
+  result.vertices = vertices;
+  result.positions.resize(static_cast<Eigen::Index>(vertices.size()), 3);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    result.positions.row(static_cast<Eigen::Index>(i)) = bridged.mesh.vertices.row(vertices[i]) + offset.transpose();
+  }
+  return result;
+}
+
+TEST(MeshBridge, RefusesFacesThatNameNoVertex) {
+  for (const int number : {-1, 20, 400}) {
+    CMeshO host;
+    fill(host, shapes::grid(4, 5));
+    // As readers do with a number from a file.
+    const auto address = reinterpret_cast<std::intptr_t>(host.vert.data()) + number * std::intptr_t(sizeof(CVertexO));
+    host.face[7].V(1) = reinterpret_cast<CVertexO*>(address);  // NOLINT(performance-no-int-to-ptr)
+    try {
+      read_mesh(host);
+      ADD_FAILURE() << number;
+    } catch (const EditError& error) {
+      EXPECT_EQ(error.cause(), ErrorCause::BadIndex);
+      EXPECT_EQ(error.what(), "Face 7 names vertex " + std::to_string(number) +
+                                  ", but there are 20 vertices, counted from 0: correct the file that the mesh was "
+                                  "read from.");
+    }
+    vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[7]);
+    EXPECT_NO_THROW(read_mesh(host));
+  }
+}
+
+TEST(MeshBridge, ReadsALargeMeshInItsOrder) {
+  const TriangleMesh mesh = shapes::icosphere(6);  // enough for several threads
+  CMeshO host;
+  fill(host, mesh);
+  int vertices = 0, faces = 0;
+  for (std::size_t f = 0; f < host.face.size(); ++f) {
+    if (f % 7 == 3 || f > 80000) {  // not evenly
+      vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[f]);
+    }
+  }
+  std::vector<char> used(host.vert.size(), 0);
+  for (const CFaceO& face : host.face) {
+    for (int k = 0; k < 3 && !face.IsD(); ++k) {
+      used[vcg::tri::Index(host, face.cV(k))] = 1;
+    }
+  }
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    if (!used[v]) {
+      vcg::tri::Allocator<CMeshO>::DeleteVertex(host, host.vert[v]);
+    }
+  }
+  ASSERT_LT(host.vn, mesh.vertices.rows());
+  const BridgedMesh bridged = read_mesh(host);
+  ASSERT_EQ(bridged.mesh.vertices.rows(), host.vn);
+  ASSERT_EQ(bridged.mesh.faces.rows(), host.fn);
+  ASSERT_EQ(bridged.core_vertex.size(), host.vert.size());
+  validate(bridged.mesh);
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    EXPECT_EQ(bridged.core_vertex[v], used[v] ? vertices : -1);
+    if (used[v]) {
+      EXPECT_EQ(bridged.host_vertex[static_cast<std::size_t>(vertices)], static_cast<int>(v));
+      EXPECT_EQ(bridged.mesh.vertices.row(vertices).transpose(), to_core(host.vert[v].cP()));
+      ++vertices;
+    }
+  }
+  for (const CFaceO& face : host.face) {
+    for (int k = 0; k < 3 && !face.IsD(); ++k) {
+      EXPECT_EQ(bridged.mesh.faces(faces, k), bridged.core_vertex[vcg::tri::Index(host, face.cV(k))]);
+    }
+    faces += face.IsD() ? 0 : 1;
+  }
+}
+
+TEST(MeshBridge, FaceOnADeletedVertexIsRefusedByTheCore) {
+  CMeshO host;
+  fill(host, shapes::grid(3, 3));
+  host.vert[4].SetD();
+  EXPECT_ANY_THROW(validate(read_mesh(host).mesh));
+}
+
+TEST(MeshBridge, NormalsAreTheHostsOwnAroundMovedVerticesAndUntouchedElsewhere) {
+  CMeshO host;
+  fill(host, shapes::icosphere(2));
+  const Point3m mark(3, 4, 5);
+  for (CVertexO& vertex : host.vert) {
+    vertex.N() = mark;
+  }
+  for (CFaceO& face : host.face) {
+    face.N() = mark;
+  }
+  const BridgedMesh bridged = read_mesh(host);
+  const int moved = 20;
+  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, {moved}, {0.1, 0.2, 0}));
+  CMeshO expected;
+  fill(expected, read_mesh(host).mesh);
+  host_normals(expected);
+  std::vector<char> near(host.vert.size(), 0);
+  for (std::size_t f = 0; f < host.face.size(); ++f) {
+    bool touched = false;
+    for (int k = 0; k < 3; ++k) {
+      touched = touched || vcg::tri::Index(host, host.face[f].cV(k)) == moved;
+    }
+    EXPECT_LT((host.face[f].cN() - (touched ? expected.face[f].cN() : mark)).Norm(), 1e-5) << f;
+    for (int k = 0; touched && k < 3; ++k) {
+      near[vcg::tri::Index(host, host.face[f].cV(k))] = 1;
+    }
+  }
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    EXPECT_LT((host.vert[v].cN() - (near[v] ? expected.vert[v].cN() : mark)).Norm(), 2e-5) << v;
+  }
+  EXPECT_EQ(host.bbox.min, expected.bbox.min);
+  EXPECT_EQ(host.bbox.max, expected.bbox.max);
+}
+
+TEST(MeshBridge, DiagonalOfAMeshWithoutFiniteVerticesIsZero) {
+  CMeshO host;
+  EXPECT_EQ(finite_diagonal(host), 0);
+  fill(host, shapes::grid(2, 2));
+  EXPECT_NEAR(finite_diagonal(host), std::sqrt(2.0), 1e-12);
+  for (CVertexO& vertex : host.vert) {
+    vertex.P()[0] = kNaN;
+  }
+  EXPECT_EQ(finite_diagonal(host), 0);
+}
+
+TEST(MeshBridge, SelectionsSkipWhatIsDeleted) {
+  CMeshO host;
+  fill(host, shapes::grid(4, 4));
+  for (const int v : {0, 5, 6, 15}) {
+    host.vert[v].SetS();
+  }
+  host.face[0].SetS();
+  host.face[2].SetS();
+  host.face[3].SetS();
+  vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[0]);
+  vcg::tri::Allocator<CMeshO>::DeleteVertex(host, host.vert[0]);
+  const BridgedMesh bridged = read_mesh(host);
+  EXPECT_EQ(selected_vertices(host, bridged.core_vertex), (std::vector<int>{4, 5, 14}));
+  // Faces 2 and 3: host vertices 1, 5, 2 and 2, 5, 6.
+  EXPECT_EQ(vertices_of_selected_faces(host, bridged.core_vertex), (std::vector<int>{0, 1, 4, 5}));
+}
+
+/// tests/cli/attributes_test.py compares all others, as MeshLab saves them.
+TEST(MeshBridge, LeavesOwnAttributesAndTheTransformAlone) {
+  CMeshO host;
+  fill(host, shapes::icosphere(1));
+  host.vert.EnableTexCoord();
+  host.vert.EnableRadius();
+  auto own_float = vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<float>(host, "own");
+  auto own_point = vcg::tri::Allocator<CMeshO>::AddPerFaceAttribute<Point3m>(host, "own");
+  auto own_text = vcg::tri::Allocator<CMeshO>::AddPerMeshAttribute<std::string>(host, "own");
+  own_text() = "kept";
+  host.Tr.SetRotateDeg(40, Point3m(1, 2, 3));
+  const Matrix44m transform = host.Tr;
+  const auto number = [](std::size_t i) { return static_cast<float>(i) + 0.25f; };
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    host.vert[v].R() = own_float[v] = number(v);
+    host.vert[v].T().P() = vcg::Point2f(number(v), -number(v));
+  }
+  for (std::size_t f = 0; f < host.face.size(); ++f) {
+    own_point[f] = Point3m(1, 2, number(f));
+  }
+  const BridgedMesh bridged = read_mesh(host);
+  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, {0, 1, 2, 3, 20, 41}, {1, 2, 3}));
+  ASSERT_EQ(host.vert[41].cP()[0], static_cast<Scalarm>(bridged.mesh.vertices(41, 0) + 1));
+  for (std::size_t v = 0; v < host.vert.size(); ++v) {
+    EXPECT_EQ(host.vert[v].cR(), number(v));
+    EXPECT_EQ(host.vert[v].cT().P(), vcg::Point2f(number(v), -number(v)));
+    EXPECT_EQ(own_float[v], number(v));
+  }
+  for (std::size_t f = 0; f < host.face.size(); ++f) {
+    EXPECT_EQ(own_point[f], Point3m(1, 2, number(f)));
+  }
+  EXPECT_EQ(own_text(), "kept");
+  EXPECT_TRUE(host.Tr == transform);
+  // The mesh does not free these itself.
+  vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(host, own_float);
+  vcg::tri::Allocator<CMeshO>::DeletePerFaceAttribute(host, own_point);
+  vcg::tri::Allocator<CMeshO>::DeletePerMeshAttribute(host, own_text);
+}
+
+}  // namespace
+}  // namespace lapedit::host::mesh_bridge_test
