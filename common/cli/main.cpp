@@ -24,7 +24,9 @@
 #include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/mesh/triangle_mesh.h"
 #include "lapedit/mesh/vertex_finder.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "options.h"
+#include "transfer.h"
 #ifdef LAPEDIT_WITH_VCGLIB
 #include "lapedit_vcg/self_intersections.h"
 #endif
@@ -55,8 +57,8 @@ ScanData scanOf(const MeshFile& file, std::string name) {
   return scan;
 }
 
-/// Reads the scan that an edit names, relative to its folder.
-ScanData readScan(const FitStep& fit) {
+/// Reads the scan that an edit names, relative to its folder. @param kept  gets the file
+ScanData readScan(const FitStep& fit, MeshFile& kept) {
   const std::string path = (fs::path(fit.folder) / fit.to).string();
   const MeshReader reader = readerOf(path);
   if (reader == nullptr) {
@@ -64,7 +66,8 @@ ScanData readScan(const FitStep& fit) {
                                                " is in no format that this program can read; the suffixes are .ply, "
                                                ".obj, .off and .stl: convert it with MeshLab or PyMeshLab.");
   }
-  return scanOf(readMeshFile(path, reader), "the scan " + quotedPath(fit.to));
+  kept = readMeshFile(path, reader);
+  return scanOf(kept, "the scan " + quotedPath(fit.to));
 }
 
 /// @param named  gets the files that the edit names
@@ -175,7 +178,8 @@ class Job {
     for (EditStep& step : edit.steps) {
       step.settings.contact |= options_.contact && !step.fit;
     }
-    edit = in_space(with_scans(std::move(edit), readScan), file_.space);
+    edit =
+        in_space(with_scans(std::move(edit), [this](const FitStep& fit) { return readScan(fit, scan_); }), file_.space);
     const Adjacency adjacency = build_adjacency(static_cast<int>(file_.mesh.vertices.rows()), file_.mesh.faces);
     const auto finish = [&](EditResult&& pose) {
       measure(pose);
@@ -235,7 +239,13 @@ class Job {
   /// Writes an output and keeps its report. run() prints and replaces files afterwards, so that all is old or complete.
   void write(const EditResult& pose) {
     int shared = 0;
-    std::string bytes = file_.edited(pose, shared);
+    Carried carried;
+    if (!options_.transfer.empty()) {
+      Points points = file_.mesh.vertices;
+      scatter(pose.vertices, pose.positions, points);
+      carried = carriedFrom(scan_, options_.transfer, points, options_.within);
+    }
+    std::string bytes = file_.edited(pose, shared, carried);
     if (options_.output == "-") {
       text_ = std::move(bytes);
     } else {
@@ -286,7 +296,7 @@ class Job {
   ProgressLine line_;
   std::vector<std::string> names_;  // of the outputs
   OutputFiles files_, report_file_;
-  MeshFile file_;
+  MeshFile file_, scan_;
   std::size_t poses_ = 0;         // number of complete ones
   Json outputs_ = Json::array();  // their reports
   std::string text_;              // to print at the end

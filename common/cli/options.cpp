@@ -13,6 +13,7 @@
 
 #include "failure.h"
 #include "files/files.h"
+#include "transfer.h"
 
 namespace fs = std::filesystem;
 
@@ -96,6 +97,8 @@ constexpr Option kOptions[] = {
     {"--landmarks", "", 2},
     {"--nearest", "", 1},
     {"--report", "", 1},
+    {"--transfer", "", 1},
+    {"--within", "", 1},
     {"--symmetrise", "", 0, &Options::symmetrise},
     {"--info", "", 0, &Options::info},
     {"--quality", "", 0, &Options::quality},
@@ -212,6 +215,32 @@ void takeFiles(const Words& words, Options& options) {
   }
 }
 
+void takeTransfer(const Words& words, Options& options) {
+  if (words.has("--transfer")) {
+    std::istringstream list(words.value("--transfer"));
+    for (std::string name; std::getline(list, name, ',');) {
+      if (!isTransferable(name) ||
+          std::find(options.transfer.begin(), options.transfer.end(), name) != options.transfer.end()) {
+        refuse("The option --transfer has " + quotedPath(words.value("--transfer")) + ": give some of " +
+               transferable() + ", with commas.");
+      }
+      options.transfer.push_back(name);
+    }
+    if (options.scan.empty() || options.reader != readPly || readerOf(options.scan) != readPly) {
+      refuse(
+          "The option --transfer needs --fit, and template and scan in PLY: convert them with MeshLab or PyMeshLab.");
+    }
+  }
+  if (words.has("--within")) {
+    const std::vector<double> length = numbers(words.value("--within"), ',');
+    if (length.size() != 1 || !(length[0] >= 0) || options.transfer.empty()) {
+      refuse("The option --within has " + quotedPath(words.value("--within")) +
+             ": give a length of 0 or more, with --transfer.");
+    }
+    options.within = length[0];
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> Options::outputs() const {
@@ -252,6 +281,7 @@ std::optional<Options> readOptions(const std::vector<std::string>& arguments, st
     }
   }
   takeFiles(words, options);
+  takeTransfer(words, options);
   refuseSameFiles(options, {});
   return options;
 }

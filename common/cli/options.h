@@ -21,9 +21,11 @@ struct Options {
   bool numbered = false;  ///< one output per fraction, its number in the name
   std::string report;     ///< empty: none
   bool quiet = false;
-  bool strict = false;   ///< advice on a result is an error
-  bool quality = false;  ///< counts new self-intersections
-  bool contact = false;  ///< all steps stop at contact
+  bool strict = false;                ///< advice on a result is an error
+  bool quality = false;               ///< counts new self-intersections
+  bool contact = false;               ///< all steps stop at contact
+  std::vector<std::string> transfer;  ///< what the output gets from the scan
+  std::optional<double> within;       ///< up to which distance
 
   bool asks() const { return info || !nearest.empty(); }
   std::vector<std::string> outputs() const;  ///< one name per fraction

@@ -16,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <type_traits>
@@ -28,6 +29,7 @@
 #include "lapedit/edit/edit.h"
 #include "lapedit/edit/fit_step.h"
 #include "lapedit/edit/prepared_step.h"
+#include "lapedit/fit/carry_over.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/landmarks.h"
 #include "lapedit/json/report_json.h"
@@ -43,6 +45,7 @@ namespace {
 
 using PointArray = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using FaceArray = nb::ndarray<const int, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using ValueArray = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using NumberArray = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 Points points_of(const PointArray& array) {
@@ -474,6 +477,23 @@ nb::tuple nearest(const PointArray& vertices, const FaceArray& faces, const Poin
   return nb::make_tuple(array_of(std::move(found)), array_of(std::move(distances), {count}));
 }
 
+/// Returns the rows of values at the points of a scan nearest to others.
+nb::object carried(const PointArray& at, const PointArray& vertices, const FaceArray& faces, const ValueArray& values,
+                   const nb::object& within) {
+  using Values = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const TriangleMesh scan = {points_of(vertices), faces_of(faces)};
+  const Eigen::MatrixXd given = Eigen::Map<const Values>(values.data(), static_cast<Eigen::Index>(values.shape(0)),
+                                                         static_cast<Eigen::Index>(values.shape(1)));
+  const Points points = points_of(at);
+  std::optional<double> most;
+  if (!within.is_none()) {
+    most = nb::cast<double>(within);
+  }
+  Values result;
+  attend(nb::none(), [&] { result = carry_over(scan, given, points, most); });
+  return array_of(std::move(result), {at.shape(0), values.shape(1)});
+}
+
 /// Reads the landmarks of two files: names, points, targets.
 nb::tuple landmarks(const nb::bytes& from, const nb::bytes& to, const std::string& space) {
   Edit edit;
@@ -565,6 +585,8 @@ NB_MODULE(_core, module) {
       .def("report", &Editor::report)
       .def("region", &Editor::region);
   module.def("nearest", &nearest);
+  module.def("carried", &carried, nb::arg("at"), nb::arg("vertices"), nb::arg("faces"), nb::arg("values"),
+             nb::arg("within").none());
   module.def("landmarks", &landmarks);
   module.def("landmark_settings", &landmark_settings);
 }

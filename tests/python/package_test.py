@@ -594,6 +594,31 @@ class Editing(unittest.TestCase):
         self.assertEqual(editor.nearest([[0, 0, 0], [20, 20, 9]]).tolist(), [0, 440])
         self.assertEqual(laplacian_edit.nearest(points, faces, (3, 1, 0)).tolist(), [24])
 
+    def test_transfer(self):
+        """Values of a scan at its nearest points: those of the nearest triangle's plane, here z = 0, and NaN farther away."""
+        points, faces = grid()
+        random = numpy.random.default_rng(3)
+        at = numpy.column_stack([random.uniform(0, 20, (500, 2)), random.uniform(-0.5, 0.5, 500)])
+        x, y = at[:, 0], at[:, 1]
+        values = numpy.stack([points[:, 0] ** 2, 3 - points[:, 1], numpy.arange(len(points)) % 7], axis=1)
+        scan = points * [1, 1, 0], faces
+        found = laplacian_edit.transfer(at, scan, values, within=1)
+        numpy.testing.assert_allclose(found[:, 1], 3 - y, rtol=0, atol=1e-12)
+        low = numpy.floor(x)
+        numpy.testing.assert_allclose(found[:, 0], low**2 + (x - low) * (2 * low + 1), rtol=0, atol=1e-9)  # linear between columns
+        corners = numpy.abs(at[:, :2] - numpy.rint(at[:, :2])).max(axis=1) < 0.05
+        near = numpy.rint(at[corners])
+        numpy.testing.assert_allclose(found[corners, 2], (21 * near[:, 1] + near[:, 0]) % 7, rtol=0, atol=0.7)
+        limited = laplacian_edit.transfer(at, scan, values[:, 1], within=0.25)
+        numpy.testing.assert_array_equal(numpy.isnan(limited), numpy.abs(at[:, 2]) > 0.25)
+        cloud = laplacian_edit.transfer(points + [0.1, 0.2, 0], (points, None, points + 1), numpy.arange(len(points), dtype=numpy.uint16))
+        numpy.testing.assert_array_equal(cloud, numpy.arange(len(points)))
+        for key, call in {"values": lambda: laplacian_edit.transfer(at, scan, values[1:]), "scan": lambda: laplacian_edit.transfer(at, points, values),
+                          "within": lambda: laplacian_edit.transfer(at, scan, values, within=-1)}.items():
+            with self.assertRaises(EditRefused) as caught:
+                call()
+            self.assertEqual(caught.exception.key, key)
+
     def test_progress(self):
         points, faces = grid(101)
         step = {"region": {"component": True}, "handles": [{"vertices": 5100, "translation": [0, 0, 9]}, {"vertices": 0}]}
@@ -669,7 +694,7 @@ class Package(unittest.TestCase):
             with self.subTest(name=name):
                 self.assertGreater(len(inspect.getdoc(getattr(laplacian_edit, name))), 80)
         for what in (edit, Editor, Editor.pose, Editor.nearest, Editor.landmarks, laplacian_edit.nearest,
-                     laplacian_edit.fit_landmarks):
+                     laplacian_edit.fit_landmarks, laplacian_edit.transfer):
             text = inspect.getdoc(what)
             self.assertIn("Args:", text)
             function = what.__init__ if what is Editor else what

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <string_view>
 #include <utility>
 
@@ -38,18 +40,53 @@ class Rewriter {
     texts_ += text;
   }
 
+  /// Puts a text before a byte; texts for one byte come in the order of these calls.
+  void insert(std::size_t at, const std::string& text) {
+    pieces_.push_back({at, texts_.size(), text.size(), true});
+    texts_ += text;
+  }
+
+  void replace(const FileColumn& column, std::size_t at, double number) {
+    const std::string text = textOf(*column.type, number);
+    if (file_.isText) {
+      pieces_.push_back({at, texts_.size(), text.size()});
+      texts_ += text;
+    } else {
+      bytes_.replace(at, text.size(), text);
+    }
+  }
+
+  /// Returns a number as the file has it. Whole numbers are rounded, and keep within their range.
+  std::string textOf(const NumberType& type, double number) const {
+    if (!type.isReal) {
+      const double values = std::exp2(8.0 * static_cast<double>(type.size)), low = type.isSigned ? -values / 2 : 0;
+      number = std::round(std::clamp(number, low, low + values - 1));
+    }
+    if (file_.isText) {
+      return type.isReal ? shortestText(number, type.size == 4) : std::to_string(static_cast<long long>(number));
+    }
+    std::string bytes(type.size, 0);
+    if (type.isReal) {
+      putReal(bytes, 0, type.size, file_.bigEndian, number);
+    } else {
+      putBits(bytes, 0, type.size, file_.bigEndian, static_cast<std::uint64_t>(static_cast<long long>(number)));
+    }
+    return bytes;
+  }
+
   std::string finished() {
     if (pieces_.empty()) {
       return std::move(bytes_);
     }
-    std::sort(pieces_.begin(), pieces_.end(), [](const Piece& a, const Piece& b) { return a.at < b.at; });
+    std::stable_sort(pieces_.begin(), pieces_.end(), [](const Piece& a, const Piece& b) { return a.at < b.at; });
     std::string all;
     all.reserve(bytes_.size() + texts_.size());
     std::size_t done = 0;
     for (const Piece& piece : pieces_) {
       all.append(bytes_, done, piece.at - done).append(texts_, piece.text, piece.size);
       done = piece.at;
-      while (done < bytes_.size() && !endsWord(bytes_[done]) && bytes_[done] != '\\' && bytes_[done] != '#') {
+      while (!piece.isNew && done < bytes_.size() && !endsWord(bytes_[done]) && bytes_[done] != '\\' &&
+             bytes_[done] != '#') {
         ++done;
       }
     }
@@ -60,6 +97,7 @@ class Rewriter {
   /// A new number in a text file; its length may differ from that of the old one.
   struct Piece {
     std::size_t at, text, size;
+    bool isNew = false;  ///< before what is there
   };
 
   const MeshFile& file_;
@@ -107,7 +145,51 @@ int replaceNormals(const FileNormals& normals, const Points& points, const Faces
   return shared;
 }
 
+/// Writes columns into a file: where they are, otherwise at the end of each vertex's row.
+void replaceColumns(const MeshFile& file, const Carried& carried, Rewriter& rewriter) {
+  const std::string newLine = file.bytes.compare(3, 2, "\r\n") == 0 ? "\r\n" : file.bytes.substr(3, 1);
+  if (!carried.texture.empty() && carried.texture != file.texture) {
+    rewriter.insert(file.headerAt, newLine + "comment TextureFile " + carried.texture);
+  }
+  constexpr double kMost = 255;  // of a colour that is a whole number; as a real number it is at most 1
+  for (const CarriedColumn& column : carried.columns) {
+    const FileColumn* const own = file.column(column.name);
+    const bool isReal = column.type->isReal;
+    const double none = !column.isColour() ? 0 : isReal ? 1 : kMost;
+    const double unit = own == nullptr || !column.isColour() || own->type->isReal == isReal ? 1
+                        : isReal                                                            ? kMost
+                                                                                            : 1 / kMost;
+    if (own == nullptr) {
+      rewriter.insert(file.headerAt, newLine + "property " + column.type->name + " " + column.name);
+    }
+    for (Eigen::Index v = 0; v < column.values.size(); ++v) {
+      const double value = unit * column.values[v];
+      if (own == nullptr) {
+        rewriter.insert(file.rowEnds[static_cast<std::size_t>(v)],
+                        (file.isText ? " " : "") + rewriter.textOf(*column.type, std::isnan(value) ? none : value));
+      } else if (!std::isnan(value)) {
+        rewriter.replace(*own, own->at[static_cast<std::size_t>(v)], value);
+      }
+    }
+  }
+}
+
 }  // namespace
+
+const FileColumn* MeshFile::column(const std::string& name) const {
+  const auto found =
+      std::find_if(columns.begin(), columns.end(), [&](const FileColumn& each) { return each.name == name; });
+  return found == columns.end() ? nullptr : &*found;
+}
+
+Eigen::VectorXd MeshFile::valuesOf(const FileColumn& column) const {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(column.at.size()));
+  for (std::size_t v = 0; v < column.at.size(); ++v) {
+    values[static_cast<Eigen::Index>(v)] = isText ? std::strtod(bytes.data() + column.at[v], nullptr)
+                                                  : numberAt(bytes, column.at[v], *column.type, bigEndian);
+  }
+  return values;
+}
 
 MeshReader readerOf(const std::string& path) {
   std::string suffix = path.substr(std::min(path.find_last_of('.'), path.size()));
@@ -125,7 +207,7 @@ std::string shortestText(double number, bool isFloat) {
           isFloat ? std::to_chars(text, end, static_cast<float>(number)).ptr : std::to_chars(text, end, number).ptr};
 }
 
-std::string MeshFile::edited(const EditResult& result, int& sharedNormals) const {
+std::string MeshFile::edited(const EditResult& result, int& sharedNormals, const Carried& carried) const {
   Points after = mesh.vertices;
   scatter(result.vertices, result.positions, after);
   std::vector<char> isMoved(static_cast<std::size_t>(after.rows()), 0);
@@ -145,6 +227,7 @@ std::string MeshFile::edited(const EditResult& result, int& sharedNormals) const
   for (const FileNormals& each : normals) {
     sharedNormals += replaceNormals(each, after, mesh.faces, isMoved, rewriter);
   }
+  replaceColumns(*this, carried, rewriter);
   return rewriter.finished();
 }
 

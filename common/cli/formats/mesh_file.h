@@ -39,6 +39,32 @@ struct FileNormals : FileVectors {
   std::vector<int> ofCorner;  ///< triangle corner -> normal; it has none if there is no such normal
 };
 
+/// The type of a number in PLY.
+struct NumberType {
+  const char *name, *newName;
+  std::size_t size;
+  bool isReal, isSigned;
+};
+
+/// A number that each vertex of a PLY file has and that can be carried over to another mesh.
+struct FileColumn {
+  std::string name;
+  const NumberType* type = nullptr;
+  std::vector<std::size_t> at;  ///< per vertex: where it begins
+  bool isColour() const { return name == "red" || name == "green" || name == "blue" || name == "alpha"; }
+};
+
+/// A column that a file gets, as that of another file is, with one value per vertex, NaN where it gets none.
+struct CarriedColumn : FileColumn {
+  Eigen::VectorXd values;
+};
+
+/// What a file gets from another one.
+struct Carried {
+  std::vector<CarriedColumn> columns;
+  std::string texture;  ///< that its texture coordinates name
+};
+
 /// A mesh file in memory, with the locations of its coordinates. An edit changes these numbers and no other byte.
 struct MeshFile {
   std::string bytes;
@@ -53,12 +79,25 @@ struct MeshFile {
   std::vector<int> vertices;           ///< occurrence -> vertex; empty: each vertex occurs once, in order
   std::vector<FileNormals> normals;
 
+  // Of PLY: colours, quality and texture coordinates of vertices, with texture and byte where a line for another one
+  // can be put into the header, and the end of each vertex's row.
+  bool isText = true;
+  std::vector<FileColumn> columns;
+  std::string texture;
+  std::size_t headerAt = 0;
+  std::vector<std::size_t> rowEnds;
+
+  /// Returns the column of this name; null if there is none. valuesOf() returns its values, one per vertex.
+  const FileColumn* column(const std::string& name) const;
+  Eigen::VectorXd valuesOf(const FileColumn& column) const;
+
   /// Returns the bytes of the file with the positions of an edit: numbers that did not change keep their bytes. Normals
   /// of moved vertices, and of faces with a moved vertex, are computed with unit length; they keep their bytes where
   /// there is no area.
   /// @param sharedNormals  gets the number of normals that keep their bytes since vertices that did not move use them
   ///                       too, as in OBJ
-  std::string edited(const lapedit::EditResult& result, int& sharedNormals) const;
+  /// @param carried  new columns have white, or 0, for vertices without a value
+  std::string edited(const lapedit::EditResult& result, int& sharedNormals, const Carried& carried = {}) const;
 };
 
 // The readers take the bytes of a whole file. They do not allocate memory for a count in it before they have read what

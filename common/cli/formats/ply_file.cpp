@@ -13,13 +13,7 @@ using namespace lapedit;
 
 namespace {
 
-struct Type {
-  const char *name, *newName;
-  std::size_t size;
-  bool isReal, isSigned;
-};
-
-constexpr Type kTypes[] = {
+constexpr NumberType kTypes[] = {
     {"char", "int8", 1, false, true},      {"uchar", "uint8", 1, false, false},  {"short", "int16", 2, false, true},
     {"ushort", "uint16", 2, false, false}, {"int", "int32", 4, false, true},     {"uint", "uint32", 4, false, false},
     {"float", "float32", 4, true, true},   {"double", "float64", 8, true, true},
@@ -31,9 +25,10 @@ enum Role { X, Y, Z, NormalX, NormalY, NormalZ, Flags, Corners, None };
 constexpr const char* kRoles[] = {"x", "y", "z", "nx", "ny", "nz", "flags"};
 
 struct Property {
-  const Type* type = nullptr;
-  const Type* countType = nullptr;  ///< of a list; null: a single number
+  const NumberType* type = nullptr;
+  const NumberType* countType = nullptr;  ///< of a list; null: a single number
   Role role = None;
+  int column = -1;  ///< of those that can be carried over
 };
 
 struct Element {
@@ -44,6 +39,9 @@ struct Element {
   FileVectors vectors[2];       ///< how positions and normals are written
   int realNumbers[2] = {0, 0};  ///< how many of these properties are float or double
 };
+
+constexpr const char* kColumns[] = {"red", "green", "blue", "alpha",     "quality",  "s",
+                                    "t",   "u",     "v",    "texture_u", "texture_v"};
 
 constexpr int kSelected = 0x20;  // bit of MeshLab's flags
 constexpr const char* kNoEnd = "the header has no end";
@@ -120,6 +118,9 @@ class PlyReader {
         readProperty();
       } else if (word.empty()) {
         return false;
+      } else if (word == "comment" && text_.wordOfLine() == "TextureFile") {
+        const std::size_t at = text_.at() + sizeof("TextureFile");
+        file().texture = file().bytes.substr(at, file().bytes.find_first_of("\r\n", at) - at);
       } else if (word != "comment" && word != "obj_info") {
         text_.refuse("there is no such line in a header");
       }
@@ -128,6 +129,7 @@ class PlyReader {
     text_.skipLine();
     at_ = std::min(file().bytes.size() - text_.left() + more, file().bytes.size());
     text_.seek(at_);
+    file().isText = is_text_;
     takeKinds();
     return true;
   }
@@ -146,9 +148,9 @@ class PlyReader {
     elements_.push_back(std::move(element));
   }
 
-  const Type* readType() {
+  const NumberType* readType() {
     const std::string_view name = text_.wordOfLine();
-    for (const Type& type : kTypes) {
+    for (const NumberType& type : kTypes) {
       if (name == type.name || name == type.newName) {
         return &type;
       }
@@ -184,6 +186,14 @@ class PlyReader {
     if (property.countType != nullptr && !property.type->isReal &&
         (name == "vertex_indices" || name == "vertex_index")) {
       property.role = Corners;
+    }
+    if (elements_.back().name == "vertex") {
+      file().headerAt = text_.at() + name.size();
+      if (property.countType == nullptr &&
+          std::find(std::begin(kColumns), std::end(kColumns), name) != std::end(kColumns)) {
+        property.column = static_cast<int>(file().columns.size());
+        file().columns.push_back({name, property.type, {}});
+      }
     }
     elements_.back().properties.push_back(property);
   }
@@ -232,7 +242,7 @@ class PlyReader {
     at_ += count;
   }
 
-  double readNumber(const Type& type) {
+  double readNumber(const NumberType& type) {
     if (is_text_) {
       const std::string_view word = text_.word();
       number_at_ = text_.at();
@@ -240,12 +250,7 @@ class PlyReader {
     }
     number_at_ = at_;
     skip(type.size);
-    if (type.isReal) {
-      return realAt(file().bytes, number_at_, type.size, file().bigEndian);
-    }
-    const std::uint64_t bits = bitsAt(file().bytes, number_at_, type.size, file().bigEndian);
-    const std::uint64_t sign = std::uint64_t{1} << (8 * type.size - 1);
-    return static_cast<double>(bits) - (type.isSigned && (bits & sign) != 0 ? 2 * static_cast<double>(sign) : 0);
+    return numberAt(file().bytes, number_at_, type, file().bigEndian);
   }
 
   void readRow(const Element& element) {
@@ -262,6 +267,8 @@ class PlyReader {
       } else if (property.role < Flags) {
         numbers_[property.role] = number;
         positions_[property.role] = number_at_;
+      } else if (property.column >= 0) {
+        file().columns[static_cast<std::size_t>(property.column)].at.push_back(number_at_);
       }
     }
   }
@@ -284,6 +291,7 @@ class PlyReader {
 
   void endVertex() {
     mesh_.addVertex(numbers_);
+    file().rowEnds.push_back(is_text_ ? file().bytes.size() - text_.left() : at_);
     file().positions.at.insert(file().positions.at.end(), positions_, positions_ + 3);
     if (has_vertex_normals_) {
       vertex_normals_.at.insert(vertex_normals_.at.end(), positions_ + 3, positions_ + 6);

@@ -59,6 +59,12 @@ std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size,
   return bits;
 }
 
+void putBits(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, std::uint64_t bits) {
+  for (std::size_t k = 0; k < size; ++k) {
+    bytes[at + (isBigEndian ? size - 1 - k : k)] = static_cast<char>(bits >> 8 * k);
+  }
+}
+
 double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian) {
   const std::uint64_t bits = bitsAt(bytes, at, size, isBigEndian);
   const auto low = static_cast<std::uint32_t>(bits);
@@ -69,15 +75,21 @@ double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool i
   return size == 8 ? number : single;
 }
 
+double numberAt(const std::string& bytes, std::size_t at, const NumberType& type, bool isBigEndian) {
+  if (type.isReal) {
+    return realAt(bytes, at, type.size, isBigEndian);
+  }
+  const std::uint64_t bits = bitsAt(bytes, at, type.size, isBigEndian), sign = std::uint64_t{1} << (8 * type.size - 1);
+  return static_cast<double>(bits) - (type.isSigned && (bits & sign) != 0 ? 2 * static_cast<double>(sign) : 0);
+}
+
 void putReal(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, double number) {
   const auto single = static_cast<float>(number);
   std::uint64_t bits = 0;
   std::uint32_t low = 0;
   std::memcpy(&bits, &number, sizeof number);
   std::memcpy(&low, &single, sizeof single);
-  for (std::size_t k = 0; k < size; ++k) {
-    bytes[at + (isBigEndian ? size - 1 - k : k)] = static_cast<char>((size == 8 ? bits : low) >> 8 * k);
-  }
+  putBits(bytes, at, size, isBigEndian, size == 8 ? bits : low);
 }
 
 bool endsWord(char letter) {

@@ -55,10 +55,13 @@ void requireText(const std::string& bytes);
 /// @throws UnreadableMesh if there are far more
 void requireExplained(std::size_t size, double most);
 
-/// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary.
+/// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary; putBits() writes them.
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
+void putBits(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, std::uint64_t bits);
 /// Reads a real number of 4 or 8 bytes in binary; putReal() writes one.
 double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
+/// Reads a number of any type in binary.
+double numberAt(const std::string& bytes, std::size_t at, const NumberType& type, bool isBigEndian);
 void putReal(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, double number);
 
 /// Returns whether a word ends at a byte.

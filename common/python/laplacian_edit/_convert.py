@@ -273,6 +273,14 @@ def points_of(value: Any, where: str) -> numpy.ndarray:
     return array
 
 
+def values_of(value: Any, count: int, where: str) -> numpy.ndarray:
+    """Returns numbers for `count` vertices, (count,) or (count, m), in float64."""
+    array = _array(value, where)
+    if array.ndim not in (1, 2) or len(array) != count:
+        raise refused(where, f"found an array of shape {array.shape}: give one number, or one row, for each of the {count} vertices.")
+    return numpy.ascontiguousarray(array, numpy.float64)
+
+
 def _leaves(value: Iterable[Any], where: str) -> Iterator[Any]:
     """Returns the numbers in nested lists."""
     _require_clear(value, where)

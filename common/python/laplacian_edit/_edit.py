@@ -260,6 +260,34 @@ def nearest(vertices: Any, faces: Any = None, points: Any = None) -> numpy.ndarr
     return _core.nearest(mesh.points, mesh.faces, _convert.points_of(points, "points"))[0]
 
 
+def transfer(points: Any, scan: Any, values: Any, within: Optional[float] = None) -> numpy.ndarray:
+    """Returns the values of a scan, such as colours, quality or texture coordinates, at its points nearest to others.
+
+    Args:
+        points: (k, 3), model units: the vertices of a template that edit() fitted to the scan.
+        scan: a mesh, (vertices, faces), or a cloud (points, None, normals).
+        values: (n,) or (n, m), one number or row for each vertex of the scan; between vertices they are linear.
+        within: up to which distance; by default 2 % of the scan's size.
+
+    Returns:
+        (k,) or (k, m), float64, NaN where the scan is farther away.
+
+    Raises:
+        EditRefused: for values that do not belong to the scan.
+
+    Example:
+        >>> fitted, report = laplacian_edit.edit(template, {"steps": [{"fit": {"to": "scan"}}]}, scans={"scan": scan})  # doctest: +SKIP
+        >>> colours = laplacian_edit.transfer(fitted, scan, scan.visual.vertex_colors)  # doctest: +SKIP
+    """
+    vertices, faces, _ = _convert.scan_of(scan, "scan")
+    rows = _convert.values_of(values, len(vertices), "values")
+    if within is not None and not (isinstance(within, (Real, numpy.floating)) and within >= 0):
+        raise refused("within", f"{_convert.shown(within)} is no distance: give a length of 0 or more, model units.")
+    carried = _core.carried(_convert.points_of(points, "points"), vertices, faces, rows.reshape(len(vertices), -1),
+                            None if within is None else float(within))
+    return carried[:, 0] if rows.ndim == 1 else carried
+
+
 def fit_landmarks(from_file: Any, to_file: Any) -> Dict[str, Any]:
     """Returns an edit that fits whole surfaces to landmarks, by settings that suit landmarks all over them.
 
