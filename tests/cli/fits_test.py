@@ -204,6 +204,17 @@ class Fits(unittest.TestCase):
                 mesh, truth = revolved(radius, 3, 0, 0), revolved(radius, 3, 0, amount)[0]
                 self.assertLess(error(self.fit(mesh=mesh, scan=revolved(radius, 4, 25, amount)), truth), error(mesh[0], truth))
 
+    def test_what_fits_in_several_orientations_has_advice_if_it_was_moved(self):
+        """An ellipsoid with a nose, turned about its axis; where it lies nothing is said."""
+        def egg(levels, degrees):
+            points, faces = ball(levels)
+            d = points @ rotation((3, 1, 2), degrees).T
+            return d * ((1 + 0.05 * np.exp(25 * (d @ (0, -0.0995, 0.995) - 1))) / np.linalg.norm(d / (0.8, 1, 0.92), axis=1))[:, None], faces
+        mesh, scan = egg(4, 0), egg(4, 25)
+        for degrees in (170, 10):
+            self.assertIn("Another orientation", self.advice(mesh=mesh, scan=(warped(scan[0]) @ rotation(Y, degrees).T, scan[1])))
+        self.assertEqual(self.advice(mesh=mesh, scan=(1.03 * scan[0], scan[1])), "")
+
     def test_place_on_part_of_a_scan_and_beside_another_object_is_kept(self):
         sphere = ball(3)
         for scan, bound in ((without(SCAN, lambda p: p[:, 0] < -0.1), 0.04), (without(SCAN, lambda p: p[:, 1] < 0), 0.03),

@@ -237,8 +237,7 @@ std::string advice_on_hold(const R& r) {
 
 std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& names) {
   constexpr double kOtherUnit = 5, kOdd = 3.3, kOddDistance = 0.04, kContradict = 0.6, kMirrored = 1.3, kHalf = 0.5,
-                   kLittle = 0.4, kUncovered = 0.01, kStretch = 1.8, kMany = 0.15, kSame = 1.05, kBetter = 0.8,
-                   kBetterThanMoved = 0.95;
+                   kLittle = 0.4, kUncovered = 0.01, kStretch = 1.8, kMany = 0.15, kSame = 1.05, kBetter = 0.8;
   const double contradiction = fit.by_landmarks.value_or(0), second = fit.orientations.second.value_or(0);
   const Orientations& compared = fit.orientations;
   const bool backwards = fit.from_scan.matched < kHalf;
@@ -260,15 +259,10 @@ std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& nam
         format_text("The template's mirror image fits better (RMS %.3g in place of %.3g): check that the scan is not "
                     "mirrored.",
                     compared.mirrored, compared.chosen)},
-       {compared.second && compared.kept && second < (compared.stayed ? kBetter : kBetterThanMoved) * compared.chosen,
-        format_text(
-            "Another orientation fits better after the alignment (RMS %.3g in place of %.3g), but the template's "
-            "was kept: check that the template is not upside down or turned round, or give three landmarks.",
-            second, compared.chosen)},
-       {compared.second && !compared.kept && second < kSame * compared.chosen,
-        format_text("Another orientation fits almost as well after the alignment (RMS %.3g and %.3g): check that the "
+       {compared.second && second < (compared.stayed ? kBetter : kSame) * compared.chosen,
+        format_text("Another orientation fits %s after the alignment (RMS %.3g in place of %.3g): check that the "
                     "template is not upside down, turned round or a mirror image, or give three landmarks.",
-                    second, compared.chosen)},
+                    second < compared.chosen ? "better" : "almost as well", second, compared.chosen)},
        {backwards || fit.to_scan.matched < kLittle,
         format_text("Only %.3g %% of the %s: check the alignment, and that normals point outwards, or give landmarks.",
                     100 * (backwards ? fit.from_scan.matched : fit.to_scan.matched),

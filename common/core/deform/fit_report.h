@@ -14,8 +14,7 @@ struct FitDistances {
 
 /// RMS distances of what overlaps after the alignment, of some samples: for comparison with each other.
 struct Orientations {
-  bool kept = false;             ///< the template's own was chosen
-  bool stayed = false;           ///< and its place, too
+  bool stayed = false;           ///< the template kept its place
   double chosen = 0;             ///< 0: not searched
   std::optional<double> second;  ///< the best other one
   double mirrored = 0;           ///< that of the template's mirror image

@@ -235,7 +235,6 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   best.residual = fine.run(best.map, stays ? 0 : kFirstRounds);
   Orientations& compared = best.orientations;
   compared.stayed = stays;
-  compared.kept = angle(chosen, Matrix3::Identity()) >= kInPlace;
   compared.chosen = residuals[chosen];
   for (std::size_t k = 0; k < maps.size(); ++k) {
     if (angle(k, maps[chosen].rotation) < kSameRotation) {
