@@ -339,8 +339,8 @@ def measures(case, result, seconds):
 def text_of(one):
     if one is None:
         return "-"
-    holes = "" if one["holes"] is None else f", in holes {one['holes']:.2f}"
-    return f"{one['mean']:.2f}/{one['most']:.2f}/{one['largest']:.2f}{holes};{one['folds']};{one['seconds']:.1f} s"
+    holes = "" if one["holes"] is None else f"/{one['holes']:.2f}"
+    return f"{one['mean']:.2f}/{one['most']:.2f}/{one['largest']:.2f}{holes};{one['folds']};{one['seconds']:.1f}"
 
 
 def picture(options):
@@ -401,7 +401,7 @@ def main():
     lines = [f"|{row['case']} ({row['vertices']})|" + "|".join(text_of(row.get(key)) for key in ("ours", "meshmonk"))
              + "|" for row in rows]
     (options.output / "fit.md").write_text(
-        "Error per vertex in % of the size: mean / 95 % / largest; folded faces; processor time.\n\n" + header + "\n".join(lines) + "\n",
+        "Error per vertex in % of the size: mean/95 %/largest/mean in holes; folded faces; seconds.\n\n" + header + "\n".join(lines) + "\n",
         encoding="utf-8")
     (options.output / "fit.json").write_text(json.dumps(rows, indent=1), encoding="utf-8")
 
