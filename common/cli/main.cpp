@@ -41,6 +41,7 @@ ScanData scanOf(const MeshFile& file, std::string name) {
   ScanData scan;
   scan.name = std::move(name);
   scan.mesh = file.mesh;
+  scan.selected_faces = file.selectedFaces;
   const auto count = static_cast<std::size_t>(3 * scan.mesh.vertices.rows());
   if (scan.mesh.faces.rows() > 0 || file.normals.empty() || file.normals.front().ofFaces ||
       file.normals.front().at.size() != count) {
@@ -324,7 +325,7 @@ std::string answer(const Options& options) {
       text += "coordinate system: " + file.space + "\n";
     }
     text += format_text("selected: %d vertices, %d faces\n", static_cast<int>(file.selected.vertices.size()),
-                        file.selectedFaces);
+                        static_cast<int>(file.selectedFaces.size()));
   }
   if (!options.nearest.empty()) {
     const VertexFinder finder(file.mesh);

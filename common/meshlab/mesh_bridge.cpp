@@ -96,6 +96,18 @@ std::vector<int> selected_vertices(const CMeshO& host, const std::vector<int>& c
   return selected;
 }
 
+std::vector<int> selected_faces(const CMeshO& host) {
+  std::vector<int> selected;
+  int f = 0;
+  for (const CFaceO& face : host.face) {
+    if (!face.IsD() && face.IsS()) {
+      selected.push_back(f);
+    }
+    f += face.IsD() ? 0 : 1;
+  }
+  return selected;
+}
+
 std::vector<int> vertices_of_selected_faces(const CMeshO& host, const std::vector<int>& core_vertex) {
   std::vector<int> vertices;
   for (const CFaceO& face : host.face) {

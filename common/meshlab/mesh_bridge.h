@@ -32,6 +32,8 @@ BridgedMesh read_mesh(const CMeshO& host);
 /// Returns vertex numbers of the bridged mesh, ascending. @param core_vertex  as in BridgedMesh
 std::vector<int> selected_vertices(const CMeshO& host, const std::vector<int>& core_vertex);
 std::vector<int> vertices_of_selected_faces(const CMeshO& host, const std::vector<int>& core_vertex);
+/// Returns face numbers of the bridged mesh, ascending.
+std::vector<int> selected_faces(const CMeshO& host);
 
 inline bool is_finite(const Point3m& point) {
   return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);

@@ -112,6 +112,7 @@ ScanReader layer_reader(const std::vector<DocumentLayer>& layers, const CMeshO& 
     ScanData scan;
     scan.name = "the layer \"" + layer.label.toStdString() + "\"";
     scan.mesh = bridged.mesh;
+    scan.selected_faces = selected_faces(host);
     for (Eigen::Index v = 0; v < scan.mesh.vertices.rows(); ++v) {
       const Vector3 point = scan.mesh.vertices.row(v).transpose();
       scan.mesh.vertices.row(v) = (map * point).transpose();

@@ -110,6 +110,22 @@ class Fit(ProgramTest):
         self.scan.write_bytes(files.ply_plain(([tuple(1000 * c for c in p) for p in scan()[0]], scan()[1])))
         self.refused(ADVISED, "same unit", "--strict", "--fit", self.scan, self.mesh, self.out)
 
+    def test_selected_faces_of_the_scan_are_excluded(self):
+        """They have the lid of a box that is not part of the object: without them the fit is as without the lid."""
+        points, faces = scan()
+        lid = [(x, y, z + 0.15) for x, y, z in points if 0.3 < x < 0.7 and 0.3 < y < 0.7]
+        more = [(len(points), len(points) + k, len(points) + k + 1) for k in range(1, len(lid) - 1)]
+        results = []
+        for selected in (True, False):
+            rows = [("Biiii", (3, *f, 0)) for f in faces] + [("Biiii", (3, *f, 32)) for f in more if selected]
+            self.scan.write_bytes(files.rows_of_ply("ascii", [
+                ("vertex", ["float x", "float y", "float z"], [("fff", p) for p in points + lid]),
+                ("face", ["list uchar int vertex_indices", "int flags"], rows)]))
+            self.write_edit({"region": {"component": True}, "fit": {"to": "scan.ply", **({"exclude": {"scan_selected": True}} if selected else {})}})
+            self.done("-q", self.mesh, self.out, self.edit)
+            results.append(self.out.read_bytes())
+        self.assertEqual(*results)
+
     def test_refusals(self):
         self.refused(WRONG_USAGE, "template and the output", "--fit", self.scan, self.mesh)
         self.refused(WRONG_USAGE, "suffixes are", "--fit", "scan.xyz", self.mesh, self.out)

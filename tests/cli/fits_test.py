@@ -186,9 +186,14 @@ class Fits(unittest.TestCase):
         away = np.linalg.norm(SCAN[0] - middle, axis=1) / 0.4
         dented = SCAN[0] * np.where(away < 1, 1 - 0.25 * (1 - away**2), 1)[:, None]
         excluded = near((TRUTH, None), middle, 0.5)
+        faces = np.flatnonzero((away < 1.1)[SCAN[1]].any(1)).tolist()
         errors = [np.linalg.norm(self.fit(scan=(dented, SCAN[1]), **more) - TRUTH, axis=1)[excluded].mean()
-                  for more in ({"exclude": {"vertices": excluded.tolist()}}, {})]
-        self.assertLess(errors[0], 0.4 * errors[1])
+                  for more in ({"exclude": {"vertices": excluded.tolist()}}, {"exclude": {"scan_faces": faces}}, {})]
+        self.assertLess(max(errors[:2]), 0.4 * errors[2])
+        everything = f"0-{len(SCAN[1]) - 1}"
+        for sentence, exclude in ((f"has {len(SCAN[1])} faces", {"scan_faces": [len(SCAN[1])]}), ("leave some", {"scan_faces": everything}),
+                                  ("No face of the scan", {"scan_selected": True}), ("vertices, scan_faces or scan_selected", {})):
+            self.refused(sentence, {"region": {"component": True}, "fit": {"to": "scan.ply", "exclude": exclude}})
 
     def test_orientation_of_shapes_that_are_nearly_symmetric_is_kept(self):
         def revolved(radius, levels, degrees, amount):

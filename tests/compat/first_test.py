@@ -125,7 +125,7 @@ class First(unittest.TestCase):
         if (ROOT / "usr/bin/meshlabserver").exists():
             refusal = run(f"! {command} 2>&1", rights=False)
             self.assertIn("has no plugin folder for users", " ".join(refusal.split()))
-            folder = "/project/build/filter_laplacian_edit"
+            folder = "/project/build/common/cli"
         else:
             run(command, rights=False)
             folder = "/home/newcomer/.local/bin"

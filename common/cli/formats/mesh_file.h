@@ -74,7 +74,7 @@ struct MeshFile {
   lapedit::StoredScalar scalar = lapedit::StoredScalar::Double;
   bool hasPolygons = false;
   lapedit::SelectedVertices selected;  ///< by MeshLab's flags, which PLY alone can have
-  int selectedFaces = 0;               ///< triangles
+  std::vector<int> selectedFaces;      ///< triangles
   FileVectors positions;               ///< one per occurrence of a vertex in the file
   std::vector<int> vertices;           ///< occurrence -> vertex; empty: each vertex occurs once, in order
   std::vector<FileNormals> normals;

@@ -315,7 +315,9 @@ class PlyReader {
       face_normals_.at.insert(face_normals_.at.end(), positions_ + 3, positions_ + 6);
     }
     if ((flags_ & kSelected) != 0) {
-      file().selectedFaces += static_cast<int>(mesh_.faceCount() - before);
+      for (std::size_t f = before; f < mesh_.faceCount(); ++f) {
+        file().selectedFaces.push_back(static_cast<int>(f));
+      }
       file().selected.of_faces.insert(file().selected.of_faces.end(), corners_.begin(), corners_.end());
     }
   }

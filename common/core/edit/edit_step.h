@@ -56,6 +56,8 @@ struct FitStep {
   std::string folder;  ///< of a relative file name
   ScanFitSettings settings;
   std::vector<int> exclude;               ///< mesh vertices that are not drawn to the scan
+  std::vector<int> exclude_faces;         ///< of the scan, which the fit does not see
+  bool exclude_selected = false;          ///< likewise its selected faces
   std::shared_ptr<const Scan> scan = {};  ///< null until with_scans() reads it
 };
 

@@ -111,13 +111,49 @@ EditStep with_mirror_image(const TriangleMesh& mesh, EditStep step) {
   return step;
 }
 
+/// Removes the faces of a scan that a fit excludes.
+void exclude_faces(const FitStep& fit, ScanData& data) {
+  const Eigen::Index count = data.mesh.faces.rows();
+  std::vector<char> excluded(static_cast<std::size_t>(count), 0);
+  for (const int f : fit.exclude_faces) {
+    if (f < 0 || f >= count) {
+      throw EditError(ErrorCause::BadIndex, "Face " + std::to_string(f) + " is excluded, but " + data.name + " has " +
+                                                std::to_string(count) + " faces, numbered from 0.")
+          .at("fit.exclude.scan_faces");
+    }
+    excluded[static_cast<std::size_t>(f)] = 1;
+  }
+  for (const int f : fit.exclude_selected ? data.selected_faces : std::vector<int>()) {
+    excluded[static_cast<std::size_t>(f)] = 1;
+  }
+  if (fit.exclude_selected && data.selected_faces.empty()) {
+    throw EditError(ErrorCause::BadParameter,
+                    "No face of " + data.name + " is selected: select those that the fit shall not see.")
+        .at("fit.exclude.scan_selected");
+  }
+  Eigen::Index kept = 0;
+  for (Eigen::Index f = 0; f < count; ++f) {
+    if (excluded[static_cast<std::size_t>(f)] == 0) {
+      data.mesh.faces.row(kept++) = data.mesh.faces.row(f);
+    }
+  }
+  if (kept == 0 && count > 0) {
+    throw EditError(ErrorCause::BadParameter, "All faces of " + data.name + " are excluded: leave some to fit to.")
+        .at("fit.exclude");
+  }
+  data.mesh.faces.conservativeResize(kept, 3);
+}
+
 }  // namespace
 
 Edit with_scans(Edit edit, const ScanReader& reader) {
   for (std::size_t k = 0; k < edit.steps.size(); ++k) {
     if (std::optional<FitStep>& fit = edit.steps[k].fit; fit && !fit->scan && !fit->to.empty()) {
-      const ScanData data = reader(*fit);
-      keyed("steps", k, [&] { keyed("fit.to", [&] { fit->scan = std::make_shared<const Scan>(data); }); });
+      ScanData data = reader(*fit);
+      keyed("steps", k, [&] {
+        exclude_faces(*fit, data);
+        keyed("fit.to", [&] { fit->scan = std::make_shared<const Scan>(data); });
+      });
     }
   }
   return edit;

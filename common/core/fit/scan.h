@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "lapedit/mesh/surface_index.h"
 #include "lapedit/mesh/triangle_mesh.h"
@@ -14,6 +15,7 @@ struct ScanData {
   TriangleMesh mesh;
   Points normals;  ///< one per vertex, of any length; none: those of the faces
   std::string name = "the scan";
+  std::vector<int> selected_faces = {};
 };
 
 /// A scan in local coordinates: its centroid is the origin, its size 1. Vertices at one position are one, and faces

@@ -19,7 +19,7 @@ _DEEPEST = 32  # a valid edit nests its lists and dicts 6 deep
 _CHANCE_OF_TRIANGLES, _CHANCE_OF_QUADS = 1e-5, 1e-2  # largest ones at which a flat list is read as polygons
 _VERTEX_KEYS = ("vertices", "held")
 _POINT_KEYS = ("points", "targets")
-_LIST_KEYS = ("translation", "axis", "center", "point", "normal", "weights", "depths", "matrix")
+_LIST_KEYS = ("translation", "axis", "center", "point", "normal", "weights", "depths", "matrix", "scan_faces")
 
 
 class Mesh(NamedTuple):
