@@ -23,7 +23,7 @@
 #include "lapedit/json/report_json.h"
 #include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/mesh/triangle_mesh.h"
-#include "lapedit/mesh/vertex_finder.h"
+#include "lapedit/mesh/vertex_tree.h"
 #include "options.h"
 #ifdef LAPEDIT_WITH_VCGLIB
 #include "lapedit_vcg/self_intersections.h"

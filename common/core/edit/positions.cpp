@@ -13,8 +13,8 @@
 #include "lapedit/base/error.h"
 #include "lapedit/edit/vertex_transfer.h"
 #include "lapedit/mesh/coordinate_space.h"
-#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lapedit/mesh/region.h"
-#include "lapedit/mesh/vertex_finder.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
 
