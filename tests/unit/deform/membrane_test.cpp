@@ -29,12 +29,6 @@ struct Energies {
   double ratio() const { return factor * stretching / bending; }
 };
 
-EditSettings with_membrane(double membrane) {
-  EditSettings settings;
-  settings.membrane = membrane;
-  return settings;
-}
-
 Energies energies(const TriangleMesh& mesh, const Eigen::VectorXd& u, LaplacianKind kind, int handle = 0) {
   const Region region = support::whole_region(mesh, {{handle}}, {});
   const DifferentialOperator op = differential_operator(kind, region, mesh, true);
