@@ -6,7 +6,7 @@
 
 #include "filters.h"
 #include "lapedit/base/error.h"
-#include "lapedit/mesh/vertex_finder.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 using namespace lapedit;
 using namespace lapedit::host;

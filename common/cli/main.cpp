@@ -23,8 +23,8 @@
 #include "lapedit/json/report_json.h"
 #include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/mesh/triangle_mesh.h"
-#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/mesh/vertex_tree.h"
 #include "options.h"
 #include "transfer.h"
 #ifdef LAPEDIT_WITH_VCGLIB

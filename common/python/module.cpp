@@ -34,8 +34,8 @@
 #include "lapedit/json/landmarks.h"
 #include "lapedit/json/report_json.h"
 #include "lapedit/mesh/coordinate_space.h"
-#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace nb = nanobind;
 using namespace lapedit;

@@ -21,14 +21,14 @@ def is_allowed(layer, quoted, bracketed):
     if quoted:
         found = re.fullmatch(r"lapedit/([a-z]+)/(\w+\.h)", quoted)
         return found and (found[1] == layer or found[1] in BELOW[layer] and (found[1] != "linear" or found[2] == "linear.h"))
-    return re.fullmatch("|".join([r"[a-z_0-9]+", r"(unsupported/)?Eigen/\w+", *LIBRARIES.get(layer, ())]), bracketed)
+    return re.fullmatch("|".join([r"[a-z_0-9]+", r"Eigen/\w+", *LIBRARIES.get(layer, ())]), bracketed)
 
 
 def main():
     read, failures = 0, []
     for top in ("common", "filter_laplacian_edit", "edit_laplacian_drag"):
         for path in sorted([*(ROOT / top).rglob("*.h"), *(ROOT / top).rglob("*.cpp")]):
-            layer = path.parent.name if path.parent.parent.name == "core" or path.parent == ROOT / "common/session" else None
+            layer = path.parent.name if path.parent.parent == ROOT / "common/core" or path.parent == ROOT / "common/session" else None
             for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
                 if found := re.match(r'\s*#\s*include\s*(?:"(.*)"|<(.*)>)', line):
                     read += 1

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "lapedit/cells/cell_packing.h"
+#include "lapedit/deform/differential_operator.h"
 #include "lapedit/deform/laplacian_system.h"
-#include "lapedit/deform/membrane.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -184,7 +184,7 @@ void CoarseSystem::make_normal(const Region& region, const Points& rest, const R
   divisor_ = divisor_of(region, cells, settings.laplacian);
   operator_ = divisor_.cwiseInverse().asDiagonal() * stiffness_matrix(cells);
   SparseMatrix normal = SparseMatrix(operator_.transpose()) * operator_;
-  stretch_ = membrane_factor(settings, region, rest, kMeanDivisor) * divisor_;
+  stretch_ = membrane_factor(settings.membrane, region, rest, kMeanDivisor) * divisor_;
   if (settings.membrane > 0) {
     normal += stretch_.asDiagonal() * operator_;
   }

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "lapedit/cells/cell_surface.h"
 #include "lapedit/cells/coarse_system.h"
+#include "lapedit/cells/region_cells.h"
 #include "lapedit/deform/matrix_averages.h"
 #include "lapedit/linear/linear.h"
 

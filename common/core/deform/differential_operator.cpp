@@ -11,7 +11,7 @@
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/deform/intrinsic_triangulation.h"
-#include "lapedit/deform/membrane.h"
+#include "lapedit/mesh/surface_index.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -392,6 +392,16 @@ void refuse_fans(const Region& region, int order, int longest) {
                         "remesh the fans (in MeshLab: Isotropic Explicit Remeshing), or give a region without them.",
                     vertex);
   }
+}
+
+double membrane_factor(double membrane, const Region& region, const Points& rest, double mean) {
+  if (membrane == 0 || region.faces.rows() == 0 || !(mean > 0)) {
+    return 0;
+  }
+  const SurfaceSize surface = size_of(rest, region.faces);
+  const double squared_h = squared_spacing(face_areas(rest, region.faces).sum() / region.size());
+  const double factor = std::min(membrane * (squared_h / 4) / (surface.size * surface.size), 1.0) / mean;
+  return std::isfinite(factor) ? factor : 0;
 }
 
 }  // namespace lapedit

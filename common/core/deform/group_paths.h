@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lapedit/deform/motion_path.h"
+#include "lapedit/deform/handle_transform.h"
 #include "lapedit/mesh/region.h"
 
 namespace lapedit {

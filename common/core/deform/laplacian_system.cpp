@@ -9,8 +9,8 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
+#include "lapedit/deform/differential_operator.h"
 #include "lapedit/deform/fair_surface.h"
-#include "lapedit/deform/membrane.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/linear.h"
 
@@ -153,7 +153,7 @@ void Preparation::make_operator(const TriangleMesh& mesh, const std::vector<Matr
     if (membrane) {
       // The bits depend neither on handles nor on the origin.
       const Points from_first = s_.rest.world.rowwise() - s_.rest.world.row(0);
-      stretch = membrane_factor(settings, s_.region, from_first, whole.mean) * whole.divisor;
+      stretch = membrane_factor(settings.membrane, s_.region, from_first, whole.mean) * whole.divisor;
     }
     Eigen::VectorXd links = link_strengths(s_.region, s_.rest.world, settings.order);
     checkpoint();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "lapedit/mesh/region.h"
 
@@ -16,7 +18,16 @@ struct RestPose {
   Points local;                      ///< relative to `origin`, so that no digits are lost far from zero
 
   /// @param mesh  not kept after construction
-  RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> with);
+  RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> with)
+      : region(std::move(with)), world(region->size(), 3), local(region->size(), 3) {
+    const auto handle = std::find(region->classes.begin(), region->classes.end(), VertexClass::Handle);
+    const auto first = handle == region->classes.end() ? 0 : handle - region->classes.begin();
+    origin = mesh.vertices.row(region->mesh_vertex[first]).transpose();
+    for (int i = 0; i < region->size(); ++i) {
+      world.row(i) = mesh.vertices.row(region->mesh_vertex[i]);
+      local.row(i) = world.row(i) - origin.transpose();
+    }
+  }
 };
 
 }  // namespace lapedit

@@ -9,7 +9,6 @@
 
 #include "lapedit/deform/edit_settings.h"
 #include "lapedit/deform/handle_transform.h"
-#include "lapedit/edit/vertex_transfer.h"
 #include "lapedit/fit/fit.h"
 #include "lapedit/mesh/region.h"
 #include "lapedit/mesh/symmetry.h"
@@ -70,6 +69,12 @@ struct EditStep {
   std::optional<MirrorPlane> mirror = {};
   VertexQuery region_query = {};    ///< in place of region.vertices, until they are located
   std::optional<FitStep> fit = {};  ///< handles are landmarks with targets, or none
+};
+
+/// Positions of some vertices of a mesh, so that an edit of it can be applied to another mesh of the same object.
+struct VertexPositions {
+  std::vector<int> vertices;  ///< mesh vertex numbers, ascending
+  std::vector<Vector3> points;
 };
 
 /// A sequence of steps, with a description of its mesh.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lapedit/base/similarity.h"
-#include "lapedit/deform/fit_report.h"
+#include "lapedit/deform/edit_report.h"
 #include "lapedit/fit/scan.h"
 
 namespace lapedit {

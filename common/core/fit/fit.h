@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lapedit/base/progress.h"
-#include "lapedit/deform/fit_report.h"
+#include "lapedit/deform/edit_report.h"
 #include "lapedit/fit/align.h"
 #include "lapedit/fit/fit_constants.h"
 #include "lapedit/mesh/region.h"

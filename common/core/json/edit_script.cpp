@@ -17,7 +17,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
-#include "lapedit/json/json_object.h"
+#include "lapedit/json/json_text.h"
 #include "lapedit/json/landmarks.h"
 
 namespace lapedit {
@@ -175,6 +175,15 @@ constexpr const char* kSeveral<HandleGroup> = "handle groups";
 template <>
 constexpr const char* kSeveral<EditStep> = "steps";
 
+void read(const JsonValue& from, FitMode& mode) {
+  mode = static_cast<FitMode>(read_choice(from, {name(FitMode::Shape), name(FitMode::Pose)}));
+}
+
+void read(const JsonValue& from, FitAlign& align) {
+  align = static_cast<FitAlign>(
+      read_choice(from, {name(FitAlign::Similarity), name(FitAlign::Rigid), name(FitAlign::None)}));
+}
+
 template <class Value>
 Json json_of(Value& value);
 
@@ -248,8 +257,25 @@ void read(const JsonValue& from, std::vector<Value>& values) {
   }
 }
 
-/// Collects the names of an object's keys, reads their values, or writes them. The visit() functions list the keys in
-/// the order of the written text.
+/// Return whether a value is written by default: an empty list, an unknown value and `false` are not.
+template <class Value>
+bool is_written(const Value&) {
+  return true;
+}
+template <class Value>
+bool is_written(const std::vector<Value>& values) {
+  return !values.empty();
+}
+template <class Value>
+bool is_written(const std::optional<Value>& value) {
+  return value.has_value();
+}
+bool is_written(bool value) {
+  return value;
+}
+
+/// The table of an object's keys, one row for each key in the order of the written text. A visit() function lists the
+/// rows, and runs three times: to collect the names for refusals, to read, and to write.
 struct Keys {
   const JsonValue* from = nullptr;
   Json* to = nullptr;
@@ -258,14 +284,18 @@ struct Keys {
 
   /// Handles an optional key. @return whether it was read or written
   template <class Value>
-  bool may(const char* key, Value& value, bool is_written = true) {
+  bool may(const char* key, Value& value) {
+    return may(key, value, is_written(value));
+  }
+  template <class Value>
+  bool may(const char* key, Value& value, bool written) {
     names.push_back(key);
     if (has(key)) {
       read((*from)[key], value);
-    } else if (to != nullptr && is_written) {
+    } else if (to != nullptr && written) {
       (*to)[key] = json_of(value);
     }
-    return has(key) || (to != nullptr && is_written);
+    return has(key) || (to != nullptr && written);
   }
 
   /// Handles a required key.
@@ -318,18 +348,16 @@ struct Keys {
                       "; give one for each, in the same order.");
     }
   }
-  /// Replaces a group by the landmarks of two files. Never writes this key, since points and targets are written.
-  void landmarks(HandleGroup& group) {
-    names.push_back("landmarks");
-    if (has("landmarks")) {
-      const JsonValue files = (*from)["landmarks"];
-      files.require_object({"from", "to"});
-      const std::string first = named_file(files["from"]), second = named_file(files["to"]);
-      group =
-          keyed(files.where, [&] { return refused_at(files.where, [&] { return load_landmarks(first, second); }); });
-    }
-  }
 };
+
+/// An object in JSON that has no type of its own.
+struct Nested {
+  std::function<void(Keys&)> list;
+};
+
+void visit(Keys& keys, Nested& object) {
+  object.list(keys);
+}
 
 template <class Object>
 void read(const JsonValue& from, Object& object) {
@@ -341,7 +369,9 @@ void read(const JsonValue& from, Object& object) {
 
 template <class Value>
 Json json_of(Value& value) {
-  if constexpr (std::is_constructible_v<Json, Value&>) {
+  if constexpr (std::is_enum_v<Value>) {
+    return name(value);
+  } else if constexpr (std::is_constructible_v<Json, Value&>) {
     return value;
   } else {
     Json json;
@@ -395,30 +425,23 @@ void visit(Keys& keys, KeptAnchors& anchors) {
   keys.may("reach", anchors.reach);
 }
 
-/// The region of a step.
-struct RegionKeys {
-  EditStep& step;
-};
-
-void visit(Keys& keys, RegionKeys& object) {
+void visit_region(Keys& keys, RegionSpec& region, VertexQuery& query) {
   using Kind = RegionSpec::Kind;
-  RegionSpec& region = object.step.region;
-  VertexQuery& query = object.step.region_query;
   const bool is_set = region.kind == Kind::Vertices;
   bool is_component = region.kind == Kind::Component;
   keys.exactly_one({"radius", "vertices", "component", "within", "selected"});
   keys.alone("anchors", {"radius", "component", "within", "selected"}, "kept anchors go with the key vertices only.");
   const bool has_radius = keys.may("radius", region.radius, region.kind == Kind::Radius);
   keys.may("vertices", region.vertices, is_set && query.empty());
-  keys.may("component", is_component, is_component);
-  keys.may("within", query.within, query.within.has_value());
-  keys.may("selected", query.selected, query.selected);
+  keys.may("component", is_component);
+  keys.may("within", query.within);
+  keys.may("selected", query.selected);
   region.kind = has_radius ? Kind::Radius : is_component ? Kind::Component : Kind::Vertices;
   keys.may("padding", region.padding, !is_component);
   keys.may("connect", region.connect_gap, region.connect_gap != 0);
-  keys.may("tips", region.tips, region.tips);
-  keys.may("pieces", region.pieces, region.pieces);
-  keys.may("held", region.held, !region.held.empty());
+  keys.may("tips", region.tips);
+  keys.may("pieces", region.pieces);
+  keys.may("held", region.held);
   keys.may("anchors", region.anchors, is_set && !region.anchors.empty());
 }
 
@@ -426,57 +449,27 @@ void visit(Keys& keys, RegionKeys& object) {
 void visit(Keys& keys, HandleTransform& transform) {
   keys.may("axis", transform.axis);
   keys.may("degrees", transform.degrees);
-  keys.may("center", transform.center, transform.center.has_value());
-}
-
-/// One of several names.
-template <class Enum>
-struct Choice {
-  Enum& chosen;
-  const std::vector<const char*>& names;
-};
-
-template <class Enum>
-void read(const JsonValue& from, Choice<Enum>& choice) {
-  choice.chosen = static_cast<Enum>(read_choice(from, choice.names));
-}
-
-template <class Enum>
-Json json_of(Choice<Enum>& choice) {
-  return choice.names[static_cast<std::size_t>(choice.chosen)];
-}
-
-/// Vertices that are not drawn to the scan.
-struct ExcludeKeys {
-  std::vector<int>& vertices;
-};
-
-void visit(Keys& keys, ExcludeKeys& exclude) {
-  keys.need("vertices", exclude.vertices);
+  keys.may("center", transform.center);
 }
 
 void visit(Keys& keys, FitStep& fit) {
-  static const std::vector<const char*> modes = {name(FitMode::Shape), name(FitMode::Pose)},
-                                        alignments = {name(FitAlign::Similarity), name(FitAlign::Rigid),
-                                                      name(FitAlign::None)};
   ScanFitSettings& settings = fit.settings;
   keys.may("to", fit.to, !fit.to.empty());
-  Choice<FitMode> mode = {settings.mode, modes};
-  keys.may("mode", mode);
-  FitAlign align = settings.align.value_or(FitAlign::Similarity);
-  Choice<FitAlign> choice = {align, alignments};
-  if (keys.may("align", choice, settings.align.has_value())) {
-    settings.align = align;
-  }
+  keys.may("mode", settings.mode);
+  keys.may("align", settings.align);
   keys.may("detail", settings.detail);
   keys.may("distance", settings.distance);
-  double accuracy = settings.accuracy.value_or(0);
-  if (keys.may("accuracy", accuracy, settings.accuracy.has_value())) {
-    settings.accuracy = accuracy;
-  }
-  keys.may("borders", settings.borders, settings.borders);
-  ExcludeKeys exclude = {fit.exclude};
-  keys.may("exclude", exclude, !fit.exclude.empty());
+  keys.may("accuracy", settings.accuracy);
+  keys.may("borders", settings.borders);
+  Nested exclude = {[&fit](Keys& inside) {
+    inside.may("vertices", fit.exclude);
+    inside.may("scan_faces", fit.exclude_faces);
+    inside.may("scan_selected", fit.exclude_selected);
+    if (inside.from != nullptr && fit.exclude.empty() && fit.exclude_faces.empty() && !fit.exclude_selected) {
+      inside.from->refuse("needs vertices, scan_faces or scan_selected.");
+    }
+  }};
+  keys.may("exclude", exclude, !fit.exclude.empty() || !fit.exclude_faces.empty() || fit.exclude_selected);
   if (keys.from != nullptr) {
     fit.folder = keys.from->source->folder;
   }
@@ -485,10 +478,23 @@ void visit(Keys& keys, FitStep& fit) {
   }
 }
 
+/// Replaces a group by the landmarks of two files.
+void visit_landmarks(Keys& keys, HandleGroup& group) {
+  std::string file;
+  keys.need("from", file);
+  keys.need("to", file);
+  if (const JsonValue* const files = keys.from; files != nullptr) {
+    const std::string first = named_file((*files)["from"]), second = named_file((*files)["to"]);
+    group =
+        keyed(files->where, [&] { return refused_at(files->where, [&] { return load_landmarks(first, second); }); });
+  }
+}
+
 void visit(Keys& keys, HandleGroup& handle) {
   VertexQuery& query = handle.query;
   HandleTransform& transform = handle.transform;
   const bool has_targets = !handle.targets.empty(), has_parts = !has_targets && !transform.matrix;
+  Nested landmarks = {[&handle](Keys& inside) { visit_landmarks(inside, handle); }};
   keys.exactly_one({"vertices", "points", "within", "selected", "landmarks"});
   keys.alone("landmarks", {"targets", "translation", "rotation", "scale", "matrix"});
   keys.alone("targets", {"translation", "rotation", "scale", "matrix"});
@@ -497,12 +503,12 @@ void visit(Keys& keys, HandleGroup& handle) {
   keys.alone("targets", {"within", "selected"},
              "goes with points or vertices only, since each target needs its vertex.");
   keys.may("vertices", handle.vertices, query.empty());
-  keys.may("points", query.points, !query.points.empty());
-  keys.may("within", query.within, query.within.has_value());
-  keys.may("selected", query.selected, query.selected);
-  keys.landmarks(handle);
-  keys.may("weights", handle.weights, !handle.weights.empty());
-  keys.may("targets", handle.targets, has_targets);
+  keys.may("points", query.points);
+  keys.may("within", query.within);
+  keys.may("selected", query.selected);
+  keys.may("landmarks", landmarks, false);  // points and targets are written
+  keys.may("weights", handle.weights);
+  keys.may("targets", handle.targets);
   keys.one_each("weights", handle.weights.size(), " numbers for ", query.points.size(), " points");
   keys.one_each("targets", handle.targets.size(), " targets for ", query.points.size(), " points");
   for (std::size_t k = 0; keys.has("targets") && k < query.points.size(); ++k) {
@@ -525,9 +531,9 @@ void visit(Keys& keys, MirrorPlane& mirror) {
 }
 
 void visit(Keys& keys, EditStep& step) {
-  RegionKeys region = {step};
+  Nested region = {[&step](Keys& inside) { visit_region(inside, step.region, step.region_query); }};
   keys.need("region", region);
-  keys.may("fit", step.fit, step.fit.has_value());
+  keys.may("fit", step.fit);
   const bool is_empty = keys.has("handles") && (*keys.from)["handles"].json == Json::array();
   const bool is_alone =
       keys.from == nullptr ? step.handles.empty() : (!keys.has("handles") || is_empty) && keys.has("detail");
@@ -540,9 +546,9 @@ void visit(Keys& keys, EditStep& step) {
   if (!step.fit && (keys.from != nullptr || keys.to != nullptr) && !is_detail) {
     keys.need("handles", step.handles);
   } else if (!is_empty) {
-    keys.may("handles", step.handles, !step.handles.empty());
+    keys.may("handles", step.handles);
   }
-  keys.may("mirror", step.mirror, step.mirror.has_value());
+  keys.may("mirror", step.mirror);
   for (std::size_t g = 0; step.fit && g < step.handles.size(); ++g) {
     if (step.handles[g].targets.empty()) {
       keys.refuse("fit", "handles[" + std::to_string(g) + "] has no targets, but the handles of a fit are landmarks.");
@@ -573,11 +579,6 @@ void visit(Keys& keys, VertexPositions& positions) {
   }
 }
 
-/// The description of the edit's mesh.
-struct MeshKeys {
-  Edit& edit;
-};
-
 /// Limits vertex lists to the vertices of the edit's mesh, or to those whose positions it gives.
 void limit_lists(const JsonValue& description, const Edit& edit) {
   Source& source = *description.source;
@@ -598,10 +599,10 @@ void limit_lists(const JsonValue& description, const Edit& edit) {
   }
 }
 
-void visit(Keys& keys, MeshKeys& mesh) {
-  Edit& edit = mesh.edit;
-  keys.may("vertices", edit.mesh_vertices, edit.mesh_vertices.has_value());
-  keys.may("faces", edit.mesh_faces, edit.mesh_faces.has_value());
+/// Visits the description of the edit's mesh.
+void visit_mesh(Keys& keys, Edit& edit) {
+  keys.may("vertices", edit.mesh_vertices);
+  keys.may("faces", edit.mesh_faces);
   if (keys.may("connectivity", edit.connectivity, !edit.connectivity.empty()) &&
       (edit.connectivity.size() != 16 ||
        edit.connectivity.find_first_not_of("0123456789abcdef") != std::string::npos)) {
@@ -619,7 +620,7 @@ void visit(Keys& keys, MeshKeys& mesh) {
 
 void visit(Keys& keys, Edit& edit) {
   int version = kVersion;
-  MeshKeys mesh = {edit};
+  Nested mesh = {[&edit](Keys& inside) { visit_mesh(inside, edit); }};
   keys.need("laplacian_edit", version);
   keys.may("mesh", mesh,
            edit.mesh_vertices || edit.mesh_faces || !edit.connectivity.empty() || !edit.positions.vertices.empty());

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "lapedit/json/json_object.h"
+#include "lapedit/json/json_text.h"
 
 namespace lapedit {
 namespace {

@@ -101,10 +101,9 @@ class PieceSearch {
  public:
   PieceSearch(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec, Attached& found)
       : mesh_(mesh), found_(found), moving_(moving(spec)) {
-    Eigen::AlignedBox3d box;
+    const Eigen::AlignedBox3d box = bounding_box(mesh.vertices, moving_);
     std::vector<char> moves(found.distance.size(), 0);
     for (const int v : moving_) {
-      box.extend(mesh.vertices.row(v).transpose());
       moves[v] = 1;
     }
     size_ = moving_.empty() ? 0 : box.diagonal().norm();
@@ -153,14 +152,6 @@ class PieceSearch {
     return vertices;
   }
 
-  Eigen::AlignedBox3d box_of(const std::vector<int>& piece) const {
-    Eigen::AlignedBox3d box;
-    for (const int v : piece) {
-      box.extend(mesh_.vertices.row(v).transpose());
-    }
-    return box;
-  }
-
   /// Returns the piece of a vertex, empty if it is large, outside the box or seen before. O(vertices in the box) in
   /// all.
   std::vector<int> piece_of(int start, const Adjacency& adjacency, const std::vector<char>& allowed,
@@ -186,7 +177,7 @@ class PieceSearch {
         }
       }
     }
-    if (out || box_of(piece).diagonal().norm() > kSmall * size_) {
+    if (out || bounding_box(mesh_.vertices, piece).diagonal().norm() > kSmall * size_) {
       for (const int v : piece) {
         seen[v] = kOut;
       }
@@ -205,7 +196,9 @@ class PieceSearch {
         links.emplace_back(v, near);
       }
     }
-    if (links.empty() && !(may_be_enclosed && winding(mesh_, faces_, Vector3(box_of(piece).center())) >= kEncloses)) {
+    if (links.empty() &&
+        !(may_be_enclosed &&
+          winding(mesh_, faces_, Vector3(bounding_box(mesh_.vertices, piece).center())) >= kEncloses)) {
       return;
     }
     // Links at the ends of the piece along each axis hold it on all sides and do not constrain its shape.

@@ -132,10 +132,7 @@ LinkSearch::LinkSearch(const TriangleMesh& mesh, const CompressedRows& neighbour
 /// Prepares the search through closed pieces, whose normals point outwards if they enclose a positive volume together.
 /// A piece whose faces disagree counts alone, after some were flipped.
 void LinkSearch::find_walls() {
-  Eigen::AlignedBox3d reach;
-  for (const int v : usable_) {
-    reach.extend(points_.row(v).transpose());
-  }
+  Eigen::AlignedBox3d reach = bounding_box(points_, usable_);
   const Vector3 margin = Vector3::Constant(2 * gap_), centre = reach.center();
   reach = Eigen::AlignedBox3d(reach.min() - margin, reach.max() + margin);
   Faces faces = mesh_.faces;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/mesh/vertex_finder.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 /// Coordinate systems of landmarks and meshes, as 3D Slicer names them: "RAS" and "LPS", whose x and y have opposite
 /// signs. Other names are kept, but not converted; an empty name stands for an unknown system.

@@ -1,59 +1,70 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/mesh/vertex_tree.h"
 
-#include <algorithm>
+#include "lapedit/base/format_text.h"
 
 namespace lapedit {
 
 VertexTree::VertexTree(const Points& points, std::vector<int> vertices, const std::vector<int>* labels)
-    : points_(points), labels_(labels), vertices_(std::move(vertices)) {
-  if (!vertices_.empty()) {
-    build(0, static_cast<int>(vertices_.size()));
-  }
-}
+    : points_(points),
+      labels_(labels),
+      tree_(
+          std::move(vertices), 8, [&points](int v) { return points.row(v).transpose(); },
+          [this](int v) { return label(v); }) {}
 
 int VertexTree::nearest(const Vector3& position, double limit) const {
   constexpr double kFar = 1e150;  // its square is finite
   limit = std::min(limit, kFar);
   std::size_t looks = 0;
   const auto any = [](int) { return true; };
-  return nearest(position, limit * limit, kNoLabel, any, looks, vertices_.size() + 1).vertex;
+  return nearest(position, limit * limit, kNoLabel, any, looks, tree_.items().size() + 1).vertex;
 }
 
-int VertexTree::build(int first, int last) {
-  constexpr int kLeaf = 8;
-  const auto number = nodes_.size();
-  Node node;
-  node.low = node.high = points_.row(vertices_[first]).transpose();
-  node.first = first;
-  node.last = last;
-  node.label = label(vertices_[first]);
-  node.lowest = vertices_[first];
-  for (int k = first; k < last; ++k) {
-    const int v = vertices_[k];
-    node.low = node.low.cwiseMin(points_.row(v).transpose());
-    node.high = node.high.cwiseMax(points_.row(v).transpose());
-    node.label = label(v) == node.label ? node.label : kNoLabel;
-    node.lowest = std::min(node.lowest, v);
+VertexFinder::VertexFinder(const TriangleMesh& mesh)
+    : mesh_(mesh),
+      usable_(usable_vertices(mesh)),
+      diagonal_(bounding_box(mesh.vertices, usable_).diagonal().norm()),
+      tree_(mesh.vertices, usable_) {
+  if (usable_.empty()) {
+    throw EditError(ErrorCause::NotFinite,
+                    "No vertex of the mesh has three finite coordinates: repair the mesh first.");
   }
-  nodes_.push_back(node);
-  if (last - first > kLeaf) {
-    Eigen::Index axis = 0;
-    (node.high - node.low).maxCoeff(&axis);
-    const auto begin = vertices_.begin() + first, end = vertices_.begin() + last;
-    // Halves of the box are found faster, and are nearly as good where they are balanced.
-    const double half = node.low[axis] / 2 + node.high[axis] / 2;
-    auto middle = std::partition(begin, end, [&](int v) { return points_(v, axis) < half; });
-    if (3 * std::min(middle - begin, end - middle) < end - begin) {
-      middle = begin + (end - begin) / 2;
-      std::nth_element(begin, middle, end,
-                       [&](int a, int b) { return std::pair(points_(a, axis), a) < std::pair(points_(b, axis), b); });
-    }
-    const int split = static_cast<int>(middle - vertices_.begin());
-    build(first, split);
-    nodes_[number].right = build(split, last);
+}
+
+VertexFinder::Found VertexFinder::anywhere(const Vector3& point, const std::string& what) const {
+  if (!point.allFinite()) {
+    throw EditError(ErrorCause::NotFinite, what + " is not finite: give three finite coordinates on the surface.");
   }
-  return static_cast<int>(number);
+  int vertex = tree_.nearest(point);
+  if (vertex < 0) {  // so far away that squared distances overflow
+    vertex = usable_.front();
+  }
+  return {vertex, (mesh_.vertices.row(vertex).transpose() - point).stableNorm()};
+}
+
+bool VertexFinder::is_near(const Vector3& point, double fraction) const {
+  return point.allFinite() && anywhere(point, "The point").distance <= fraction * diagonal_;
+}
+
+VertexFinder::Found VertexFinder::on_surface(const Vector3& point, const std::string& what,
+                                             const std::string& advice) const {
+  const Found found = anywhere(point, what);
+  if (found.distance > kFar * diagonal_) {
+    throw OffSurface(ErrorCause::BadParameter, what + " " + place_text(point) + " is " + number_text(found.distance) +
+                                                   " away from the nearest vertex, number " +
+                                                   std::to_string(found.vertex) +
+                                                   ", more than a tenth of the mesh's bounding-box diagonal (" +
+                                                   number_text(diagonal_) + "): " + advice + ".");
+  }
+  return found;
+}
+
+int nearest_vertex(const TriangleMesh& mesh, const Vector3& point) {
+  return VertexFinder(mesh).on_surface(point, "The handle point").vertex;
+}
+
+std::string place_text(const Vector3& point) {
+  return "(" + number_text(point[0]) + ", " + number_text(point[1]) + ", " + number_text(point[2]) + ")";
 }
 
 }  // namespace lapedit

@@ -7,73 +7,50 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <unsupported/Eigen/BVH>
 #include <utility>
 
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
 namespace {
 
-using FaceTree = Eigen::KdBVH<double, 3, int>;
-
-FaceTree finite_faces(const TriangleMesh& mesh) {
+/// Returns a tree over the faces with finite corners.
+BoxTree finite_faces(const TriangleMesh& mesh) {
+  constexpr int kLeaf = 4;
   std::vector<int> faces;
-  std::vector<FaceTree::Volume> boxes;
+  std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(mesh.faces.rows()));
   for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
     const Vector3 a = mesh.vertices.row(mesh.faces(f, 0)), b = mesh.vertices.row(mesh.faces(f, 1)),
                   c = mesh.vertices.row(mesh.faces(f, 2));
     if (a.allFinite() && b.allFinite() && c.allFinite()) {
       faces.push_back(f);
-      const FaceTree::Volume box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
+      const Eigen::AlignedBox3d box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
       // Not narrower than the error of distance_along(), nor than the spacing of numbers.
       constexpr double kRounding = 1e-15;
       const Vector3 margin = Vector3::Constant(kRaySeam * box.diagonal().norm()) +
                              kRounding * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
-      boxes.emplace_back(box.min() - margin, box.max() + margin);
+      boxes[f] = {box.min() - margin, box.max() + margin};
     }
   }
-  return {faces.begin(), faces.end(), boxes.begin(), boxes.end()};
+  return {std::move(faces), kLeaf, [&boxes](int f) -> const auto& {return boxes[f];
 }
-
-/// Returns whether a ray, given by its origin and the inverse of its direction, meets a box before its end.
-bool meets(const FaceTree::Volume& box, const Vector3& origin, const Vector3& inverse, double last) {
-  const Eigen::Array3d at_min = (box.min() - origin).cwiseProduct(inverse);
-  const Eigen::Array3d at_max = (box.max() - origin).cwiseProduct(inverse);
-  const double enter = at_min.min(at_max).maxCoeff();
-  const double leave = at_min.max(at_max).minCoeff();
-  return !(enter > leave || enter > last || leave < 0);  // NaN at the border: zero times infinity
-}
-
-/// Calls visit(face) for the faces below a node in boxes that a ray meets before its end, as Eigen::BVIntersect() does
-/// but without allocating memory. The tree must be balanced. @param last  the end, which visit() may change
-/// @return whether visit() returned true, which ends the search
-template <class Visit>
-bool walk(const FaceTree& tree, int node, const Ray& ray, const double& last, const Visit& visit) {
-  const Vector3 inverse = ray.direction.cwiseInverse();
-  FaceTree::VolumeIterator box = {}, last_box = {};
-  FaceTree::ObjectIterator face = {}, last_face = {};
-  tree.getChildren(node, box, last_box, face, last_face);
-  return std::any_of(box, last_box,
-                     [&](int child) {
-                       return meets(tree.getVolume(child), ray.origin, inverse, last) &&
-                              walk(tree, child, ray, last, visit);
-                     }) ||
-         std::any_of(face, last_face, visit);
-}
+, [](int) { return 0; }
+};  // namespace
+}  // namespace lapedit
 
 }  // namespace
 
 struct Visibility::Impl {
   explicit Impl(const TriangleMesh& the_mesh) : mesh(the_mesh), faces(finite_faces(the_mesh)) {
-    if (faces.getRootIndex() >= 0) {  // there is a box around at least two faces
+    if (faces.items().size() > 1) {
       constexpr double kSamePosition = 1e-7;
-      same_position = kSamePosition * faces.getVolume(faces.getRootIndex()).diagonal().norm();
+      same_position = kSamePosition * faces.nodes().front().box.diagonal().norm();
     }
   }
 
   const TriangleMesh& mesh;
-  FaceTree faces;
+  BoxTree faces;
   double same_position = 0;  // vertices nearer than this are at the same position: a seam of duplicate vertices
 };
 
@@ -101,7 +78,7 @@ bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex
   const Ray through = view.ray(view.pixel(position));
   const double reach = (position - through.origin).dot(through.direction);
   const Ray back{position, -through.direction};
-  return !walk(impl_->faces, impl_->faces.getRootIndex(), back, reach, [&](int face) {
+  return !impl_->faces.along(back, reach, [&](int face) {
     const double t = distance_along(mesh, back, face);
     return t > impl_->same_position && t < reach && !(mesh.faces.row(face).array() == vertex).any();
   });
@@ -111,7 +88,7 @@ std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray, double limit, in
   const TriangleMesh& mesh = impl_->mesh;
   double distance = limit;
   int found = -1;
-  walk(impl_->faces, impl_->faces.getRootIndex(), ray, distance, [&](int face) {
+  impl_->faces.along(ray, distance, [&](int face) {
     const double t = distance_along(mesh, ray, face);
     const bool is_nearer = t < distance || (t == distance && found >= 0 && face < found);
     if (is_nearer && !(mesh.faces.row(face).array() == except).any()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/deform/membrane.h"
+#include "lapedit/deform/differential_operator.h"
 
 #include <gtest/gtest.h>
 
@@ -29,17 +29,11 @@ struct Energies {
   double ratio() const { return factor * stretching / bending; }
 };
 
-EditSettings with_membrane(double membrane) {
-  EditSettings settings;
-  settings.membrane = membrane;
-  return settings;
-}
-
 Energies energies(const TriangleMesh& mesh, const Eigen::VectorXd& u, LaplacianKind kind, int handle = 0) {
   const Region region = support::whole_region(mesh, {{handle}}, {});
   const DifferentialOperator op = differential_operator(kind, region, mesh, true);
   const Eigen::VectorXd bent = op.matrix * u;
-  return {membrane_factor(with_membrane(100), region, mesh.vertices, op.mean), bent.squaredNorm(),
+  return {membrane_factor(100, region, mesh.vertices, op.mean), bent.squaredNorm(),
           u.dot(Eigen::VectorXd(op.divisor.cwiseProduct(bent)))};
 }
 
@@ -98,29 +92,29 @@ TEST(Membrane, ScalePlaceAndHandleDoNotMatter) {
 TEST(Membrane, IsProportionalToTheSettingAndToNothingOfTheWeightsUnit) {
   const TriangleMesh mesh = shapes::icosphere(3);
   const Region region = support::whole_region(mesh, {{0}}, {});
-  const double one = membrane_factor(with_membrane(1), region, mesh.vertices, 6);
-  EXPECT_NEAR(membrane_factor(with_membrane(70), region, mesh.vertices, 6) / one, 70, 1e-9);
-  EXPECT_NEAR(membrane_factor(with_membrane(1), region, mesh.vertices, 12) / one, 0.5, 1e-12);
+  const double one = membrane_factor(1, region, mesh.vertices, 6);
+  EXPECT_NEAR(membrane_factor(70, region, mesh.vertices, 6) / one, 70, 1e-9);
+  EXPECT_NEAR(membrane_factor(1, region, mesh.vertices, 12) / one, 0.5, 1e-12);
 }
 
 /// Beside an equation of weight 1 a membrane never weighs more than 1, or handles would stay behind.
 TEST(Membrane, OutweighsBendingNowhere) {
   for (const TriangleMesh& mesh : {shapes::grid(2, 2), shapes::icosphere(1), shapes::letter_field(30, 16)}) {
     const Region region = support::whole_region(mesh, {{0}}, {});
-    EXPECT_NEAR(6 * membrane_factor(with_membrane(1e6), region, mesh.vertices, 6), 1, 1e-12);
-    EXPECT_LT(6 * membrane_factor(with_membrane(0.1), region, mesh.vertices, 6), 0.1);
+    EXPECT_NEAR(6 * membrane_factor(1e6, region, mesh.vertices, 6), 1, 1e-12);
+    EXPECT_LT(6 * membrane_factor(0.1, region, mesh.vertices, 6), 0.1);
   }
 }
 
 TEST(Membrane, IsNoneWhereItIsNotAskedForOrMeansNothing) {
   const TriangleMesh mesh = shapes::grid(5, 5);
   Region region = support::whole_region(mesh, {{0}}, {});
-  EXPECT_EQ(membrane_factor(with_membrane(0), region, mesh.vertices, 6), 0);
-  EXPECT_EQ(membrane_factor(with_membrane(9), region, mesh.vertices, 0), 0);
-  EXPECT_EQ(membrane_factor(with_membrane(9), region, Points::Zero(25, 3), 6), 0) << "a region without any size";
-  EXPECT_EQ(membrane_factor(with_membrane(9), region, mesh.vertices, std::numeric_limits<double>::quiet_NaN()), 0);
+  EXPECT_EQ(membrane_factor(0, region, mesh.vertices, 6), 0);
+  EXPECT_EQ(membrane_factor(9, region, mesh.vertices, 0), 0);
+  EXPECT_EQ(membrane_factor(9, region, Points::Zero(25, 3), 6), 0) << "a region without any size";
+  EXPECT_EQ(membrane_factor(9, region, mesh.vertices, std::numeric_limits<double>::quiet_NaN()), 0);
   region.faces.resize(0, 3);
-  EXPECT_EQ(membrane_factor(with_membrane(9), region, mesh.vertices, 6), 0);
+  EXPECT_EQ(membrane_factor(9, region, mesh.vertices, 6), 0);
 }
 
 }  // namespace

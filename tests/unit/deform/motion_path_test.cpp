@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/deform/motion_path.h"
+#include "lapedit/deform/handle_transform.h"
 
 #include <gtest/gtest.h>
 

@@ -12,8 +12,8 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/edit/edit.h"
-#include "lapedit/mesh/vertex_finder.h"
 #include "lapedit/mesh/vertex_set.h"
+#include "lapedit/mesh/vertex_tree.h"
 #include "shapes.h"
 #include "support.h"
 

@@ -7,7 +7,6 @@
 #include <limits>
 #include <random>
 
-#include "lapedit/mesh/vertex_finder.h"
 #include "shapes.h"
 #include "support.h"
 

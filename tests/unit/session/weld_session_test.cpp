@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "drag_support.h"
-#include "lapedit/mesh/vertex_finder.h"
+#include "lapedit/mesh/vertex_tree.h"
 #include "lapedit/mesh/weld.h"
 #include "play.h"
 #include "torn_mesh.h"

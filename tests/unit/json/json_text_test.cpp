@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/json/json_object.h"
+#include "lapedit/json/json_text.h"
 
 #include <gtest/gtest.h>
 
