@@ -465,7 +465,8 @@ void visit(Keys& keys, FitStep& fit) {
     inside.may("vertices", fit.exclude);
     inside.may("scan_faces", fit.exclude_faces);
     inside.may("scan_selected", fit.exclude_selected);
-    if (inside.from != nullptr && fit.exclude.empty() && fit.exclude_faces.empty() && !fit.exclude_selected) {
+    if (inside.from != nullptr && !inside.has("vertices") && !inside.has("scan_faces") &&
+        !inside.has("scan_selected")) {
       inside.from->refuse("needs vertices, scan_faces or scan_selected.");
     }
   }};
