@@ -145,63 +145,69 @@ class ContactPose::Response {
 ContactPose::ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest)
     : rest_(std::move(rest)),
       vertices_(mesh.vertices.rowwise() - rest_->origin.transpose()),
-      faces_(mesh.faces.rows(), 3),
-      local_(static_cast<std::size_t>(mesh.vertices.rows()), -1) {
-  const Region& region = *rest_->region;
-  for (int i = 0; i < region.size(); ++i) {
-    local_[region.mesh_vertex[i]] = i;
+      resting_(mesh.faces.rows(), 3),
+      local_(static_cast<std::size_t>(mesh.vertices.rows()), -1),
+      mesh_vertex_(rest_->region->mesh_vertex) {
+  for (int i = 0; i < rest_->region->size(); ++i) {
+    local_[mesh_vertex_[i]] = i;
   }
-  Eigen::Index count = 0;
-  for (const bool moving : {true, false}) {
-    for (const auto& face : mesh.faces.rowwise()) {
-      const bool distinct = face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
-      const bool moves = local_[face[0]] >= 0 || local_[face[1]] >= 0 || local_[face[2]] >= 0;
-      if (moves == moving && distinct &&
-          (vertices_.row(face[0]) + vertices_.row(face[1]) + vertices_.row(face[2])).allFinite()) {
-        faces_.row(count++) = face;
-      }
+  Faces moving(mesh.faces.rows(), 3);
+  Eigen::Index resting = 0, count = 0;
+  for (const auto& face : mesh.faces.rowwise()) {
+    const bool distinct = face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
+    if (!distinct || !(vertices_.row(face[0]) + vertices_.row(face[1]) + vertices_.row(face[2])).allFinite()) {
+      continue;
     }
-    moving_ = moving ? count : moving_;
+    if (local_[face[0]] >= 0 || local_[face[1]] >= 0 || local_[face[2]] >= 0) {
+      moving.row(count++) = face;
+    } else {
+      resting_.row(resting++) = face;
+    }
   }
-  faces_.conservativeResize(count, 3);
+  moving.conservativeResize(count, 3);
+  resting_.conservativeResize(resting, 3);
+  number(moving);
+  surface_ = std::make_unique<ContactSurface>(gather(vertices_, mesh_vertex_), std::move(moving));
 }
 
 ContactPose::~ContactPose() = default;
 
-/// Makes the surface of the moving faces and of those that rest in the box of a path, unless there is one.
-void ContactPose::make_surface(const std::vector<Points>& path) {
-  Eigen::AlignedBox3d box = bounding_box(rest_->local);
+/// Changes faces of the mesh into faces of the surface, which gets their vertices.
+void ContactPose::number(Faces& faces) {
+  for (int& v : faces.reshaped()) {
+    int& number = local_[v];
+    if (number < 0) {
+      number = static_cast<int>(mesh_vertex_.size());
+      mesh_vertex_.push_back(v);
+    }
+    v = number;
+  }
+}
+
+/// Gives the surface the faces that rest in the box of a path.
+void ContactPose::set_resting(const std::vector<Points>& path) {
+  box_ = bounding_box(rest_->local);
   for (const Points& pose : path) {
-    box.extend(bounding_box(pose));
+    box_.extend(bounding_box(pose));
   }
-  if (surface_ && box_.contains(box)) {
-    return;
+  for (; mesh_vertex_.size() > static_cast<std::size_t>(surface_->moving_vertices()); mesh_vertex_.pop_back()) {
+    local_[mesh_vertex_.back()] = -1;
   }
-  box_ = box;
-  std::vector<int> local = local_;
-  mesh_vertex_ = rest_->region->mesh_vertex;
-  Faces faces(faces_.rows(), 3);
+  Faces faces(resting_.rows(), 3);
   Eigen::Index count = 0;
-  for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
+  for (const auto& face : resting_.rowwise()) {
     Eigen::AlignedBox3d own;
-    for (const int v : faces_.row(f)) {
+    for (const int v : face) {
       own.extend(vertices_.row(v).transpose());
     }
-    if (f >= moving_ && !box.intersects(own)) {
-      continue;
+    if (box_.intersects(own)) {
+      faces.row(count++) = face;
     }
-    for (int k = 0; k < 3; ++k) {
-      int& number = local[faces_(f, k)];
-      if (number < 0) {
-        number = static_cast<int>(mesh_vertex_.size());
-        mesh_vertex_.push_back(faces_(f, k));
-      }
-      faces(count, k) = number;
-    }
-    ++count;
   }
   faces.conservativeResize(count, 3);
-  surface_ = std::make_unique<ContactSurface>(gather(vertices_, mesh_vertex_), std::move(faces), rest_->region->size());
+  number(faces);
+  const std::vector<int> more(mesh_vertex_.begin() + surface_->moving_vertices(), mesh_vertex_.end());
+  surface_->set_resting(gather(vertices_, more), faces);
 }
 
 /// Returns all vertices of the surface.
@@ -214,7 +220,9 @@ Points ContactPose::whole(const Points& pose) const {
 bool ContactPose::is_clear(const Points& pose, ThreadPool& pool) {
   touching_ = 0;
   converged_ = true;
-  make_surface({pose});
+  if (!box_.contains(bounding_box(pose))) {
+    set_resting({pose});
+  }
   return surface_->is_clear(whole(pose), pool);
 }
 
@@ -423,8 +431,7 @@ bool ContactPose::approach(const Points& plain) {
 
 void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& constraints,
                          const std::vector<Points>& path) {
-  surface_.reset();  // bits depend on nothing earlier
-  make_surface(path);
+  set_resting(path);  // even if there are some: bits depend on nothing earlier
   response_ = std::make_unique<Response>(system);
   system_ = &system;
   constraints_ = &constraints;

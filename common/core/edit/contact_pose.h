@@ -22,7 +22,7 @@ namespace lapedit {
 /// something, each group yields as a whole: A loses what keeps it from being translated.
 class ContactPose {
  public:
-  /// @param mesh  not kept. O(faces)
+  /// @param mesh  not kept. O(faces log faces)
   ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest);
   ~ContactPose();
 
@@ -41,7 +41,8 @@ class ContactPose {
 
  private:
   class Response;
-  void make_surface(const std::vector<Points>& path);
+  void number(Faces& faces);
+  void set_resting(const std::vector<Points>& path);
   Points whole(const Points& pose) const;
   bool add(std::vector<Contact> contacts);
   void update_contacts();
@@ -53,9 +54,8 @@ class ContactPose {
 
   std::shared_ptr<const RestPose> rest_;
   Points vertices_;          // of the mesh, relative to the origin
-  Faces faces_;              // of the mesh, those with a corner in the region first
-  Eigen::Index moving_ = 0;  // number of these
-  std::vector<int> local_;   // per vertex of the mesh: in the region, or -1
+  Faces resting_;            // faces of the mesh without a corner in the region
+  std::vector<int> local_;   // per vertex of the mesh: of the surface, or -1
   std::unique_ptr<ContactSurface> surface_;
   Eigen::AlignedBox3d box_;       // that the surface's resting faces meet
   std::vector<int> mesh_vertex_;  // of the surface's vertices
