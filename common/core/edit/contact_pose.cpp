@@ -4,7 +4,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -20,51 +19,20 @@ namespace {
 constexpr double kForExact = 10, kYielding = 1e5;
 /// Rounds of one attempt, and sweeps for further contacts in each.
 constexpr int kRounds = 6, kSearches = 2;
-/// Time and memory grow with their squares and cubes.
-constexpr int kMostVertices = 2000, kMostContacts = 1000;
+/// Time grows with their cubes.
+constexpr int kMostContacts = 1000;
 
 }  // namespace
 
-/// A^-1 at the vertices of contacts.
+/// A^-1, and what contacts need of it.
 class ContactPose::Response {
  public:
   explicit Response(const LaplacianSystem& system)
       : system_(system),
         solver_(system.matrix, system.correction, system.pool),
-        index_(static_cast<std::size_t>(system.region.size()), -1) {}
+        products_(system.matrix, system.correction, system.pool) {}
 
-  int size() const { return static_cast<int>(vertices_.size()); }
   bool yields() const { return inverse_.size() > 0; }
-
-  /// Adds columns of the region's vertices that have none. Cost: a solve per three of them
-  void add(const std::vector<int>& vertices) {
-    const int before = size();
-    for (const int v : vertices) {
-      if (index_[v] < 0) {
-        index_[v] = size();
-        vertices_.push_back(v);
-      }
-    }
-    if (size() > matrix_.rows()) {
-      const Eigen::Index room = 2 * static_cast<Eigen::Index>(size());
-      matrix_.conservativeResize(room, room);
-    }
-    for (int first = before; first < size(); first += 3) {
-      checkpoint();
-      const int last = std::min(first + 3, size());
-      right_.setZero(system_.region.size(), 3);
-      for (int k = first; k < last; ++k) {
-        right_(vertices_[k], k - first) = 1;
-      }
-      solver_.solve(right_, x_);
-      for (int k = first; k < last; ++k) {
-        for (int i = 0; i < size(); ++i) {
-          matrix_(i, k) = matrix_(k, i) = x_(vertices_[i], k - first);
-        }
-      }
-    }
-    update();
-  }
 
   /// Lets groups be translated: A loses s s^T / sum_i s_i per group, s its squared weights, except for a small part
   /// that keeps A positive definite (Woodbury's formula). None: A is that of the edit.
@@ -88,30 +56,28 @@ class ContactPose::Response {
       }
     }
     inverse_ = inverse_.inverse().eval();
-    update();
   }
 
-  /// Returns the displacements, at all vertices that have columns, by a unit pressure of a contact, along its normal.
-  Eigen::VectorXd displacement(const Contact& contact) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(size()), groups = Eigen::VectorXd::Zero(inverse_.rows());
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (const int column = index_of(contact.vertices[k]); column >= 0) {
-        sum += contact.weights[k] * matrix_.col(column).head(size());
-        groups += contact.weights[k] * translated_.row(contact.vertices[k]).transpose();
+  /// Returns by how much each contact opens by a unit pressure of each, along their normals.
+  Eigen::MatrixXd compliance(const std::vector<Contact>& contacts) {
+    const auto n = static_cast<int>(system_.region.size()), count = static_cast<int>(contacts.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::MatrixXd normals(3, count);
+    for (int k = 0; k < count; ++k) {
+      const Contact& contact = contacts[static_cast<std::size_t>(k)];
+      normals.col(k) = contact.normal;
+      for (std::size_t j = 0; j < 4; ++j) {
+        if (contact.vertices[j] < n) {  // or it rests
+          entries.emplace_back(contact.vertices[j], k, contact.weights[j]);
+        }
       }
     }
-    sum += at_ * (inverse_ * groups);
-    return sum;
-  }
-  /// Returns how far such displacements open a contact.
-  double along(const Contact& contact, const Eigen::VectorXd& displacements) const {
-    double sum = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (const int column = index_of(contact.vertices[k]); column >= 0) {
-        sum += contact.weights[k] * displacements[column];
-      }
-    }
-    return sum;
+    SparseMatrix weights(n, count);
+    weights.setFromTriplets(entries.begin(), entries.end());
+    Eigen::MatrixXd all = products_(weights);
+    const Eigen::MatrixXd groups = weights.transpose() * translated_;
+    all += groups * inverse_ * groups.transpose();
+    return all.cwiseProduct(normals.transpose() * normals);
   }
 
   /// Returns A^-1 f. @param forces  f, used as scratch
@@ -123,22 +89,11 @@ class ContactPose::Response {
   }
 
  private:
-  int index_of(int vertex) const {
-    return vertex < static_cast<int>(index_.size()) ? index_[static_cast<std::size_t>(vertex)] : -1;  // or it rests
-  }
-  void update() {
-    at_.resize(size(), translated_.cols());
-    for (int k = 0; k < size(); ++k) {
-      at_.row(k) = translated_.row(vertices_[k]);
-    }
-  }
-
   const LaplacianSystem& system_;
   RefinedSolver solver_;
-  std::vector<int> index_, vertices_;  // of a vertex, or -1; of an index
-  Eigen::MatrixXd matrix_;             // A^-1 of the edit; and room for more
-  Eigen::MatrixXd translated_, at_;    // A^-1 s of the groups that yield, and its rows of these vertices
-  Eigen::MatrixXd inverse_;            // of Woodbury's formula
+  InverseProducts products_;
+  Eigen::MatrixXd translated_;  // A^-1 s of the groups that yield
+  Eigen::MatrixXd inverse_;     // of Woodbury's formula
   Points right_, x_;
 };
 
@@ -239,21 +194,16 @@ bool ContactPose::add(std::vector<Contact> contacts) {
     known.insert({contact.edges, contact.vertices});
   }
   std::set<int> taken;
-  std::vector<int> touched;
   const std::size_t before = contacts_.size();
   for (const Contact& contact : contacts) {
     const auto& vertices = contact.vertices;
     const bool is_free = std::none_of(vertices.begin(), vertices.end(), [&](int v) { return taken.count(v) > 0; });
-    if (is_free && known.count({contact.edges, vertices}) == 0 && contacts_.size() < kMostContacts &&
-        response_->size() + static_cast<int>(touched.size()) < kMostVertices) {
+    if (is_free && known.count({contact.edges, vertices}) == 0 && contacts_.size() < kMostContacts) {
       taken.insert(vertices.begin(), vertices.end());
       contacts_.push_back(contact);
       contacts_.back().pressure = 1;  // a guess
-      std::copy_if(vertices.begin(), vertices.end(), std::back_inserter(touched),
-                   [&](int v) { return v < rest_->region->size(); });
     }
   }
-  response_->add(touched);
   return contacts_.size() > before;
 }
 
@@ -272,17 +222,8 @@ Eigen::VectorXd ContactPose::pressures(const Eigen::VectorXd& missing, double st
   constexpr int kMostSets = 12;
   constexpr double kAccuracy = 1e-6;
   const Eigen::Index count = missing.size();
-  Eigen::MatrixXd compliance(count, count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Contact& a = contacts_[static_cast<std::size_t>(k)];
-    const Eigen::VectorXd moved = response_->displacement(a);
-    checkpoint(static_cast<int>(moved.size()));
-    for (Eigen::Index l = 0; l <= k; ++l) {
-      const Contact& b = contacts_[static_cast<std::size_t>(l)];
-      compliance(k, l) = compliance(l, k) = response_->along(b, moved) * a.normal.dot(b.normal);
-    }
-    compliance(k, k) += 1 / stiffness;
-  }
+  Eigen::MatrixXd compliance = response_->compliance(contacts_);
+  compliance.diagonal().array() += 1 / stiffness;
   Eigen::VectorXd pressure = Eigen::VectorXd::Zero(count);
   std::vector<int> pressing, next;
   for (int k = 0; k < count; ++k) {
