@@ -123,6 +123,10 @@ ContactPose::ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPos
   resting_.conservativeResize(resting, 3);
   number(moving);
   surface_ = std::make_unique<ContactSurface>(gather(vertices_, mesh_vertex_), std::move(moving));
+  // Most poses are within a box of twice the size.
+  const Eigen::AlignedBox3d box = bounding_box(rest_->local);
+  const Vector3 more = 0.5 * box.sizes();
+  set_resting(Eigen::AlignedBox3d(box.min() - more, box.max() + more));
 }
 
 ContactPose::~ContactPose() = default;
@@ -139,12 +143,9 @@ void ContactPose::number(Faces& faces) {
   }
 }
 
-/// Gives the surface the faces that rest in the box of a path.
-void ContactPose::set_resting(const std::vector<Points>& path) {
-  box_ = bounding_box(rest_->local);
-  for (const Points& pose : path) {
-    box_.extend(bounding_box(pose));
-  }
+/// Gives the surface the faces that rest in a box.
+void ContactPose::set_resting(const Eigen::AlignedBox3d& box) {
+  box_ = box;
   for (; mesh_vertex_.size() > static_cast<std::size_t>(surface_->moving_vertices()); mesh_vertex_.pop_back()) {
     local_[mesh_vertex_.back()] = -1;
   }
@@ -175,8 +176,8 @@ Points ContactPose::whole(const Points& pose) const {
 bool ContactPose::is_clear(const Points& pose, ThreadPool& pool) {
   touching_ = 0;
   converged_ = true;
-  if (!box_.contains(bounding_box(pose))) {
-    set_resting({pose});
+  if (const Eigen::AlignedBox3d box = bounding_box(pose); !box_.contains(box)) {
+    set_resting(box.merged(bounding_box(rest_->local)));
   }
   return surface_->is_clear(whole(pose), pool);
 }
@@ -372,7 +373,11 @@ bool ContactPose::approach(const Points& plain) {
 
 void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& constraints,
                          const std::vector<Points>& path) {
-  set_resting(path);  // even if there are some: bits depend on nothing earlier
+  Eigen::AlignedBox3d box = bounding_box(rest_->local);
+  for (const Points& pose : path) {
+    box.extend(bounding_box(pose));
+  }
+  set_resting(box);  // in any case: bits depend on nothing earlier
   response_ = std::make_unique<Response>(system);
   system_ = &system;
   constraints_ = &constraints;

@@ -42,7 +42,7 @@ class ContactPose {
  private:
   class Response;
   void number(Faces& faces);
-  void set_resting(const std::vector<Points>& path);
+  void set_resting(const Eigen::AlignedBox3d& box);
   Points whole(const Points& pose) const;
   bool add(std::vector<Contact> contacts);
   void update_contacts();

@@ -315,17 +315,36 @@ void ContactSurface::bound(const Points& from, const Points& to, ThreadPool& poo
 
 /// Returns whether boxes come nearer than the margin in the motion of one relative to the other.
 bool ContactSurface::may_touch(const Bounds& a, const Bounds& b) const {
+  if (margin_ == 0) {  // at rest, see crossings()
+    return a.low[0] <= b.high[0] && a.high[0] >= b.low[0] && a.low[1] <= b.high[1] && a.high[1] >= b.low[1] &&
+           a.low[2] <= b.high[2] && a.high[2] >= b.low[2];
+  }
   const Eigen::Array3d least = (a.least - b.most).min(0.0), most = (a.most - b.least).max(0.0);
   return (a.low + least <= b.high + margin_).all() && (a.high + most >= b.low - margin_).all();
 }
 
-/// Returns whether a node is a connected patch whose normals are within a cone, before and after the motion.
-bool ContactSurface::is_smooth(int node) const {
+/// Returns whether two nodes, or the same twice, are a connected patch whose normals are within a cone, before and
+/// after the motion. Of two nodes only leaves count.
+bool ContactSurface::is_smooth(int a, int b) const {
   constexpr double kCosine = 0.25;
-  const Bounds& bounds = node_bounds_[node];
-  const Eigen::Array3d axis = bounds.normal_low + bounds.normal_high;
-  const double length = axis.matrix().norm();
-  return nodes_[node].connected && (axis * bounds.normal_low).min(axis * bounds.normal_high).sum() > kCosine * length;
+  if (!nodes_[a].connected || !nodes_[b].connected || (a != b && (nodes_[a].right >= 0 || nodes_[b].right >= 0))) {
+    return false;
+  }
+  const Eigen::Array3d low = node_bounds_[a].normal_low.min(node_bounds_[b].normal_low);
+  const Eigen::Array3d high = node_bounds_[a].normal_high.max(node_bounds_[b].normal_high), axis = low + high;
+  return (axis * low).min(axis * high).sum() > kCosine * axis.matrix().norm() && (a == b || have_common_corner(a, b));
+}
+
+bool ContactSurface::have_common_corner(int a, int b) const {
+  const auto of = [this](int node) {
+    return faces_.middleRows(nodes_[node].first, nodes_[node].last - nodes_[node].first).reshaped();
+  };
+  for (const int v : of(a)) {
+    if ((of(b).array() == v).any()) {
+      return true;
+    }
+  }
+  return false;
 }
 
 bool ContactSurface::is_exempt(int f, int g) const {
@@ -363,7 +382,7 @@ std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visi
   const auto split = [this](Pair pair, std::vector<Pair>& open) {
     const auto [a, b] = pair;
     if (a == b) {
-      if (!is_smooth(a)) {
+      if (!is_smooth(a, a)) {
         open.insert(open.end(), {{a + 1, a + 1}, {nodes_[a].right, nodes_[a].right}, {a + 1, nodes_[a].right}});
       }
     } else if (may_touch(node_bounds_[a], node_bounds_[b])) {
@@ -400,8 +419,7 @@ std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visi
       checkpoints();
       if (!is_leaf(pair)) {
         split(pair, open);
-      } else if (pair.first == pair.second ? !is_smooth(pair.first)
-                                           : may_touch(node_bounds_[pair.first], node_bounds_[pair.second])) {
+      } else if (may_touch(node_bounds_[pair.first], node_bounds_[pair.second]) && !is_smooth(pair.first, pair.second)) {
         for (int f = nodes_[pair.first].first; f < nodes_[pair.first].last; ++f) {
           for (int g = pair.first == pair.second ? f + 1 : nodes_[pair.second].first; g < nodes_[pair.second].last;
                ++g) {

@@ -78,7 +78,8 @@ class ContactSurface {
   void find_owners();
   void find_exempt(ThreadPool& pool);
   bool may_touch(const Bounds& a, const Bounds& b) const;
-  bool is_smooth(int node) const;
+  bool is_smooth(int a, int b) const;
+  bool have_common_corner(int a, int b) const;
   bool is_exempt(int f, int g) const;
   bool are_apart(int f, int g) const;
   template <class Found, class Visit>
