@@ -17,8 +17,8 @@ namespace lapedit {
 ///     |x - x0|_A^2 / 2 + s / 2 sum_k max(0, gap_k - n_k . sum_j w_kj x_j)^2
 ///
 /// over contacts k, linear in x, with the edit's matrix A. The dual of this problem needs A^-1 at the contacts'
-/// vertices alone: columns that the existing factor gives. A pose moves no farther than sweeps find
-/// safe, so nothing crosses, even if the contacts do not let it reach x0. Where the handles would have to cross
+/// vertices alone: products of halves of columns, which the existing factor gives. A pose moves no farther than sweeps
+/// find safe, so nothing crosses, even if the contacts do not let it reach x0. Where the handles would have to cross
 /// something, each group yields as a whole: A loses what keeps it from being translated.
 class ContactPose {
  public:
@@ -53,9 +53,9 @@ class ContactPose {
   void yield();
 
   std::shared_ptr<const RestPose> rest_;
-  Points vertices_;          // of the mesh, relative to the origin
-  Faces resting_;            // faces of the mesh without a corner in the region
-  std::vector<int> local_;   // per vertex of the mesh: of the surface, or -1
+  Points vertices_;         // of the mesh, relative to the origin
+  Faces resting_;           // faces of the mesh without a corner in the region
+  std::vector<int> local_;  // per vertex of the mesh: of the surface, or -1
   std::unique_ptr<ContactSurface> surface_;
   Eigen::AlignedBox3d box_;       // that the surface's resting faces meet
   std::vector<int> mesh_vertex_;  // of the surface's vertices

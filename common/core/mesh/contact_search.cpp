@@ -214,7 +214,8 @@ void ContactSurface::add_tree(int first, const Faces& faces) {
   faces_.conservativeResize(count, 3);
   order_.resize(static_cast<std::size_t>(count));
   for (int f = first; f < count; ++f) {
-    const auto face = faces_.row(f) = faces.row(f - first);
+    const auto face = faces.row(f - first);
+    faces_.row(f) = face;
     centres.row(f) = (rest_.row(face[0]) + rest_.row(face[1]) + rest_.row(face[2])) / 3;
     order_[f] = f;
   }
@@ -419,7 +420,8 @@ std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visi
       checkpoints();
       if (!is_leaf(pair)) {
         split(pair, open);
-      } else if (may_touch(node_bounds_[pair.first], node_bounds_[pair.second]) && !is_smooth(pair.first, pair.second)) {
+      } else if (may_touch(node_bounds_[pair.first], node_bounds_[pair.second]) &&
+                 !is_smooth(pair.first, pair.second)) {
         for (int f = nodes_[pair.first].first; f < nodes_[pair.first].last; ++f) {
           for (int g = pair.first == pair.second ? f + 1 : nodes_[pair.second].first; g < nodes_[pair.second].last;
                ++g) {
