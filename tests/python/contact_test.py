@@ -175,6 +175,16 @@ class Contact(unittest.TestCase):
         self.assertGreater(report["contacts"], 0)
         self.assertIsNone(plain.report["steps"][0]["contacts"])
 
+    def test_a_jam_is_reported(self):
+        points, faces, step = elbow()
+        step["handles"][1]["rotation"]["degrees"] = 240
+        jammed = edit(points, faces, {"steps": [{**step, "contact": True}]})
+        report = jammed.report["steps"][0]
+        self.assertFalse(report["converged"])
+        self.assertRegex(report["stopped"], r"^handle group 1 stops [\d.]+ before its target, at vertex \d+$")
+        self.assertIn("contacts jam there; move it less", report["advice"])
+        self.assertFalse(crosses(jammed.vertices, faces))
+
     def test_what_is_far_from_contact_stays(self):
         points, faces, step, plain, stopped = both_ways(nose)
         moved = numpy.linalg.norm(stopped.vertices - plain.vertices, axis=1)

@@ -4,7 +4,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -20,51 +19,20 @@ namespace {
 constexpr double kForExact = 10, kYielding = 1e5;
 /// Rounds of one attempt, and sweeps for further contacts in each.
 constexpr int kRounds = 6, kSearches = 2;
-/// Time and memory grow with their squares and cubes.
-constexpr int kMostVertices = 2000, kMostContacts = 1000;
+/// Time grows with their cubes.
+constexpr int kMostContacts = 1000;
 
 }  // namespace
 
-/// A^-1 at the vertices of contacts.
+/// A^-1, and what contacts need of it.
 class ContactPose::Response {
  public:
   explicit Response(const LaplacianSystem& system)
       : system_(system),
         solver_(system.matrix, system.correction, system.pool),
-        index_(static_cast<std::size_t>(system.region.size()), -1) {}
+        products_(system.matrix, system.correction, system.pool) {}
 
-  int size() const { return static_cast<int>(vertices_.size()); }
   bool yields() const { return inverse_.size() > 0; }
-
-  /// Adds columns of the region's vertices that have none. Cost: a solve per three of them
-  void add(const std::vector<int>& vertices) {
-    const int before = size();
-    for (const int v : vertices) {
-      if (index_[v] < 0) {
-        index_[v] = size();
-        vertices_.push_back(v);
-      }
-    }
-    if (size() > matrix_.rows()) {
-      const Eigen::Index room = 2 * static_cast<Eigen::Index>(size());
-      matrix_.conservativeResize(room, room);
-    }
-    for (int first = before; first < size(); first += 3) {
-      checkpoint();
-      const int last = std::min(first + 3, size());
-      right_.setZero(system_.region.size(), 3);
-      for (int k = first; k < last; ++k) {
-        right_(vertices_[k], k - first) = 1;
-      }
-      solver_.solve(right_, x_);
-      for (int k = first; k < last; ++k) {
-        for (int i = 0; i < size(); ++i) {
-          matrix_(i, k) = matrix_(k, i) = x_(vertices_[i], k - first);
-        }
-      }
-    }
-    update();
-  }
 
   /// Lets groups be translated: A loses s s^T / sum_i s_i per group, s its squared weights, except for a small part
   /// that keeps A positive definite (Woodbury's formula). None: A is that of the edit.
@@ -88,30 +56,28 @@ class ContactPose::Response {
       }
     }
     inverse_ = inverse_.inverse().eval();
-    update();
   }
 
-  /// Returns the displacements, at all vertices that have columns, by a unit pressure of a contact, along its normal.
-  Eigen::VectorXd displacement(const Contact& contact) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(size()), groups = Eigen::VectorXd::Zero(inverse_.rows());
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (const int column = index_of(contact.vertices[k]); column >= 0) {
-        sum += contact.weights[k] * matrix_.col(column).head(size());
-        groups += contact.weights[k] * translated_.row(contact.vertices[k]).transpose();
+  /// Returns by how much each contact opens by a unit pressure of each, along their normals.
+  Eigen::MatrixXd compliance(const std::vector<Contact>& contacts) {
+    const auto n = static_cast<int>(system_.region.size()), count = static_cast<int>(contacts.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::MatrixXd normals(3, count);
+    for (int k = 0; k < count; ++k) {
+      const Contact& contact = contacts[static_cast<std::size_t>(k)];
+      normals.col(k) = contact.normal;
+      for (std::size_t j = 0; j < 4; ++j) {
+        if (contact.vertices[j] < n) {  // or it rests
+          entries.emplace_back(contact.vertices[j], k, contact.weights[j]);
+        }
       }
     }
-    sum += at_ * (inverse_ * groups);
-    return sum;
-  }
-  /// Returns how far such displacements open a contact.
-  double along(const Contact& contact, const Eigen::VectorXd& displacements) const {
-    double sum = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (const int column = index_of(contact.vertices[k]); column >= 0) {
-        sum += contact.weights[k] * displacements[column];
-      }
-    }
-    return sum;
+    SparseMatrix weights(n, count);
+    weights.setFromTriplets(entries.begin(), entries.end());
+    Eigen::MatrixXd all = products_(weights);
+    const Eigen::MatrixXd groups = weights.transpose() * translated_;
+    all += groups * inverse_ * groups.transpose();
+    return all.cwiseProduct(normals.transpose() * normals);
   }
 
   /// Returns A^-1 f. @param forces  f, used as scratch
@@ -123,85 +89,81 @@ class ContactPose::Response {
   }
 
  private:
-  int index_of(int vertex) const {
-    return vertex < static_cast<int>(index_.size()) ? index_[static_cast<std::size_t>(vertex)] : -1;  // or it rests
-  }
-  void update() {
-    at_.resize(size(), translated_.cols());
-    for (int k = 0; k < size(); ++k) {
-      at_.row(k) = translated_.row(vertices_[k]);
-    }
-  }
-
   const LaplacianSystem& system_;
   RefinedSolver solver_;
-  std::vector<int> index_, vertices_;  // of a vertex, or -1; of an index
-  Eigen::MatrixXd matrix_;             // A^-1 of the edit; and room for more
-  Eigen::MatrixXd translated_, at_;    // A^-1 s of the groups that yield, and its rows of these vertices
-  Eigen::MatrixXd inverse_;            // of Woodbury's formula
+  InverseProducts products_;
+  Eigen::MatrixXd translated_;  // A^-1 s of the groups that yield
+  Eigen::MatrixXd inverse_;     // of Woodbury's formula
   Points right_, x_;
 };
 
 ContactPose::ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest)
     : rest_(std::move(rest)),
       vertices_(mesh.vertices.rowwise() - rest_->origin.transpose()),
-      faces_(mesh.faces.rows(), 3),
-      local_(static_cast<std::size_t>(mesh.vertices.rows()), -1) {
-  const Region& region = *rest_->region;
-  for (int i = 0; i < region.size(); ++i) {
-    local_[region.mesh_vertex[i]] = i;
+      resting_(mesh.faces.rows(), 3),
+      local_(static_cast<std::size_t>(mesh.vertices.rows()), -1),
+      mesh_vertex_(rest_->region->mesh_vertex) {
+  for (int i = 0; i < rest_->region->size(); ++i) {
+    local_[mesh_vertex_[i]] = i;
   }
-  Eigen::Index count = 0;
-  for (const bool moving : {true, false}) {
-    for (const auto& face : mesh.faces.rowwise()) {
-      const bool distinct = face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
-      const bool moves = local_[face[0]] >= 0 || local_[face[1]] >= 0 || local_[face[2]] >= 0;
-      if (moves == moving && distinct &&
-          (vertices_.row(face[0]) + vertices_.row(face[1]) + vertices_.row(face[2])).allFinite()) {
-        faces_.row(count++) = face;
-      }
+  Faces moving(mesh.faces.rows(), 3);
+  Eigen::Index resting = 0, count = 0;
+  for (const auto& face : mesh.faces.rowwise()) {
+    const bool distinct = face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
+    if (!distinct || !(vertices_.row(face[0]) + vertices_.row(face[1]) + vertices_.row(face[2])).allFinite()) {
+      continue;
     }
-    moving_ = moving ? count : moving_;
+    if (local_[face[0]] >= 0 || local_[face[1]] >= 0 || local_[face[2]] >= 0) {
+      moving.row(count++) = face;
+    } else {
+      resting_.row(resting++) = face;
+    }
   }
-  faces_.conservativeResize(count, 3);
+  moving.conservativeResize(count, 3);
+  resting_.conservativeResize(resting, 3);
+  number(moving);
+  surface_ = std::make_unique<ContactSurface>(gather(vertices_, mesh_vertex_), std::move(moving));
+  // Most poses are within a box of twice the size.
+  const Eigen::AlignedBox3d box = bounding_box(rest_->local);
+  const Vector3 more = 0.5 * box.sizes();
+  set_resting(Eigen::AlignedBox3d(box.min() - more, box.max() + more));
 }
 
 ContactPose::~ContactPose() = default;
 
-/// Makes the surface of the moving faces and of those that rest in the box of a path, unless there is one.
-void ContactPose::make_surface(const std::vector<Points>& path) {
-  Eigen::AlignedBox3d box = bounding_box(rest_->local);
-  for (const Points& pose : path) {
-    box.extend(bounding_box(pose));
+/// Changes faces of the mesh into faces of the surface, which gets their vertices.
+void ContactPose::number(Faces& faces) {
+  for (int& v : faces.reshaped()) {
+    int& number = local_[v];
+    if (number < 0) {
+      number = static_cast<int>(mesh_vertex_.size());
+      mesh_vertex_.push_back(v);
+    }
+    v = number;
   }
-  if (surface_ && box_.contains(box)) {
-    return;
-  }
+}
+
+/// Gives the surface the faces that rest in a box.
+void ContactPose::set_resting(const Eigen::AlignedBox3d& box) {
   box_ = box;
-  std::vector<int> local = local_;
-  mesh_vertex_ = rest_->region->mesh_vertex;
-  Faces faces(faces_.rows(), 3);
+  for (; mesh_vertex_.size() > static_cast<std::size_t>(surface_->moving_vertices()); mesh_vertex_.pop_back()) {
+    local_[mesh_vertex_.back()] = -1;
+  }
+  Faces faces(resting_.rows(), 3);
   Eigen::Index count = 0;
-  for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
+  for (const auto& face : resting_.rowwise()) {
     Eigen::AlignedBox3d own;
-    for (const int v : faces_.row(f)) {
+    for (const int v : face) {
       own.extend(vertices_.row(v).transpose());
     }
-    if (f >= moving_ && !box.intersects(own)) {
-      continue;
+    if (box_.intersects(own)) {
+      faces.row(count++) = face;
     }
-    for (int k = 0; k < 3; ++k) {
-      int& number = local[faces_(f, k)];
-      if (number < 0) {
-        number = static_cast<int>(mesh_vertex_.size());
-        mesh_vertex_.push_back(faces_(f, k));
-      }
-      faces(count, k) = number;
-    }
-    ++count;
   }
   faces.conservativeResize(count, 3);
-  surface_ = std::make_unique<ContactSurface>(gather(vertices_, mesh_vertex_), std::move(faces), rest_->region->size());
+  number(faces);
+  const std::vector<int> more(mesh_vertex_.begin() + surface_->moving_vertices(), mesh_vertex_.end());
+  surface_->set_resting(gather(vertices_, more), faces);
 }
 
 /// Returns all vertices of the surface.
@@ -214,7 +176,9 @@ Points ContactPose::whole(const Points& pose) const {
 bool ContactPose::is_clear(const Points& pose, ThreadPool& pool) {
   touching_ = 0;
   converged_ = true;
-  make_surface({pose});
+  if (const Eigen::AlignedBox3d box = bounding_box(pose); !box_.contains(box)) {
+    set_resting(box.merged(bounding_box(rest_->local)));
+  }
   return surface_->is_clear(whole(pose), pool);
 }
 
@@ -231,21 +195,16 @@ bool ContactPose::add(std::vector<Contact> contacts) {
     known.insert({contact.edges, contact.vertices});
   }
   std::set<int> taken;
-  std::vector<int> touched;
   const std::size_t before = contacts_.size();
   for (const Contact& contact : contacts) {
     const auto& vertices = contact.vertices;
     const bool is_free = std::none_of(vertices.begin(), vertices.end(), [&](int v) { return taken.count(v) > 0; });
-    if (is_free && known.count({contact.edges, vertices}) == 0 && contacts_.size() < kMostContacts &&
-        response_->size() + static_cast<int>(touched.size()) < kMostVertices) {
+    if (is_free && known.count({contact.edges, vertices}) == 0 && contacts_.size() < kMostContacts) {
       taken.insert(vertices.begin(), vertices.end());
       contacts_.push_back(contact);
       contacts_.back().pressure = 1;  // a guess
-      std::copy_if(vertices.begin(), vertices.end(), std::back_inserter(touched),
-                   [&](int v) { return v < rest_->region->size(); });
     }
   }
-  response_->add(touched);
   return contacts_.size() > before;
 }
 
@@ -264,17 +223,8 @@ Eigen::VectorXd ContactPose::pressures(const Eigen::VectorXd& missing, double st
   constexpr int kMostSets = 12;
   constexpr double kAccuracy = 1e-6;
   const Eigen::Index count = missing.size();
-  Eigen::MatrixXd compliance(count, count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Contact& a = contacts_[static_cast<std::size_t>(k)];
-    const Eigen::VectorXd moved = response_->displacement(a);
-    checkpoint(static_cast<int>(moved.size()));
-    for (Eigen::Index l = 0; l <= k; ++l) {
-      const Contact& b = contacts_[static_cast<std::size_t>(l)];
-      compliance(k, l) = compliance(l, k) = response_->along(b, moved) * a.normal.dot(b.normal);
-    }
-    compliance(k, k) += 1 / stiffness;
-  }
+  Eigen::MatrixXd compliance = response_->compliance(contacts_);
+  compliance.diagonal().array() += 1 / stiffness;
   Eigen::VectorXd pressure = Eigen::VectorXd::Zero(count);
   std::vector<int> pressing, next;
   for (int k = 0; k < count; ++k) {
@@ -423,8 +373,11 @@ bool ContactPose::approach(const Points& plain) {
 
 void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& constraints,
                          const std::vector<Points>& path) {
-  surface_.reset();  // bits depend on nothing earlier
-  make_surface(path);
+  Eigen::AlignedBox3d box = bounding_box(rest_->local);
+  for (const Points& pose : path) {
+    box.extend(bounding_box(pose));
+  }
+  set_resting(box);  // in any case: bits depend on nothing earlier
   response_ = std::make_unique<Response>(system);
   system_ = &system;
   constraints_ = &constraints;

@@ -17,12 +17,12 @@ namespace lapedit {
 ///     |x - x0|_A^2 / 2 + s / 2 sum_k max(0, gap_k - n_k . sum_j w_kj x_j)^2
 ///
 /// over contacts k, linear in x, with the edit's matrix A. The dual of this problem needs A^-1 at the contacts'
-/// vertices alone: columns that the existing factor gives. A pose moves no farther than sweeps find
-/// safe, so nothing crosses, even if the contacts do not let it reach x0. Where the handles would have to cross
+/// vertices alone: products of halves of columns, which the existing factor gives. A pose moves no farther than sweeps
+/// find safe, so nothing crosses, even if the contacts do not let it reach x0. Where the handles would have to cross
 /// something, each group yields as a whole: A loses what keeps it from being translated.
 class ContactPose {
  public:
-  /// @param mesh  not kept. O(faces)
+  /// @param mesh  not kept. O(faces log faces)
   ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPose> rest);
   ~ContactPose();
 
@@ -41,7 +41,8 @@ class ContactPose {
 
  private:
   class Response;
-  void make_surface(const std::vector<Points>& path);
+  void number(Faces& faces);
+  void set_resting(const Eigen::AlignedBox3d& box);
   Points whole(const Points& pose) const;
   bool add(std::vector<Contact> contacts);
   void update_contacts();
@@ -52,10 +53,9 @@ class ContactPose {
   void yield();
 
   std::shared_ptr<const RestPose> rest_;
-  Points vertices_;          // of the mesh, relative to the origin
-  Faces faces_;              // of the mesh, those with a corner in the region first
-  Eigen::Index moving_ = 0;  // number of these
-  std::vector<int> local_;   // per vertex of the mesh: in the region, or -1
+  Points vertices_;         // of the mesh, relative to the origin
+  Faces resting_;           // faces of the mesh without a corner in the region
+  std::vector<int> local_;  // per vertex of the mesh: of the surface, or -1
   std::unique_ptr<ContactSurface> surface_;
   Eigen::AlignedBox3d box_;       // that the surface's resting faces meet
   std::vector<int> mesh_vertex_;  // of the surface's vertices

@@ -66,6 +66,7 @@ class OperatorRows {
 std::vector<int> fill_reducing_ordering(const CompressedRows& neighbours, int threads);
 
 class SparseCholesky;
+struct HalfColumn;
 
 struct CholeskyOptions {
   /// Elimination order: order[k] is the row eliminated k-th. Empty: approximate minimum degree.
@@ -97,6 +98,9 @@ class SparseCholesky {
   /// Solves for three right-hand sides: x = matrix^-1 rhs. Both may be the same object. Allocates nothing after the
   /// first call with the same x. Cost: reading the factor twice.
   void solve(const Points& rhs, Points& x);
+
+  /// Returns halves of columns of the inverse, by the rows of the matrix. Cost: a fraction of a solve each.
+  std::vector<HalfColumn> half_columns(const std::vector<int>& rows) const;
 
   /// Elimination order: row order()[k] is the k-th.
   const std::vector<int>& order() const;
@@ -170,6 +174,29 @@ class RefinedSolver {
   std::shared_ptr<ThreadPool> pool_;
   SparseCholesky cholesky_;
   Points at_rows_, corrected_;  // scratch
+};
+
+/// Products with A^-1 of vectors that have a few entries: A = A0 + E W^2 E^T, as RefinedSolver solves with it, to the
+/// precision of the factor.
+class InverseProducts {
+ public:
+  InverseProducts(std::shared_ptr<const FactoredNormalMatrix> matrix,
+                  std::shared_ptr<const WoodburyCorrection> correction, std::shared_ptr<ThreadPool> pool);
+  ~InverseProducts();
+
+  /// Returns C^T A^-1 C, symmetric. Cost: a fraction of a solve for each row of C that no earlier call had an entry
+  /// in, and small dense products.
+  Eigen::MatrixXd operator()(const SparseMatrix& c);
+
+ private:
+  void add(const SparseMatrix& c);
+
+  std::shared_ptr<const FactoredNormalMatrix> matrix_;
+  std::shared_ptr<const WoodburyCorrection> correction_;
+  SparseCholesky cholesky_;         // of A0
+  std::vector<int> corrected_;      // per row: its column of E, or -1
+  std::vector<HalfColumn> halves_;  // of rows with entries
+  std::vector<int> half_;           // per row: of these, or -1
 };
 
 /// Computes the correction for rows that have no weight in A0, and for long rows.

@@ -149,6 +149,18 @@ void SparseCholesky::solve(const Points& rhs, Points& x) {
                 : impl_->full->solve(order(), rhs, x, *impl_->pool);
 }
 
+std::vector<HalfColumn> SparseCholesky::half_columns(const std::vector<int>& rows) const {
+  std::vector<int> position(order().size()), sought;
+  for (std::size_t k = 0; k < position.size(); ++k) {
+    position[order()[k]] = static_cast<int>(k);
+  }
+  for (const int row : rows) {
+    sought.push_back(position[row]);
+  }
+  return impl_->single ? impl_->single->factor.half_columns(sought, *impl_->pool)
+                       : impl_->full->factor.half_columns(sought, *impl_->pool);
+}
+
 const std::vector<int>& SparseCholesky::order() const {
   return impl_->analysis->pattern.order;
 }

@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <cstring>
 #include <new>
+#include <numeric>
 #include <utility>
 #include <vector>
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
 
+#include "lapedit/base/progress.h"
 #include "lapedit/linear/multifrontal_cholesky.h"
 #include "lapedit/linear/supernode_kernels.h"
 #include "lapedit/linear/task_tree.h"
@@ -236,6 +238,81 @@ void SupernodalSolver<Scalar>::solve(Scalar* x, ThreadPool& pool) {
   Passes& p = *passes_;
   p.walk.upwards(pool, [&](const auto& task, int thread) { p.forward_task(task, x, p.vectors[thread].data()); });
   p.walk.downwards(pool, [&](const auto& task, int thread) { p.backward_task(task, x, p.vectors[thread].data()); });
+}
+
+template <typename Scalar>
+std::vector<HalfColumn> SupernodalSolver<Scalar>::half_columns(const std::vector<int>& rows, ThreadPool& pool) const {
+  constexpr std::size_t kTogether = 3;
+  const TaskTree& tree = tiles_->tree;
+  const std::vector<TaskTree::Node>& nodes = tree.nodes;
+  const auto node_of = [&](int row) {
+    return static_cast<int>(std::upper_bound(nodes.begin(), nodes.end(), row,
+                                             [](int r, const TaskTree::Node& node) { return r < node.first_column; }) -
+                            nodes.begin()) -
+           1;
+  };
+  std::vector<std::size_t> sorted(rows.size());  // rows that share most of their supernodes are next to each other
+  std::iota(sorted.begin(), sorted.end(), 0U);
+  std::sort(sorted.begin(), sorted.end(), [&](std::size_t a, std::size_t b) { return rows[a] < rows[b]; });
+  std::vector<HalfColumn> halves(rows.size());
+  pool.each(static_cast<int>((rows.size() + kTogether - 1) / kTogether), [&](int group) {
+    const std::size_t begin = kTogether * static_cast<std::size_t>(group);
+    const std::size_t end = std::min(begin + kTogether, rows.size());
+    std::vector<int> path, offsets = {0};
+    for (std::size_t k = begin; k < end; ++k) {
+      for (int s = node_of(rows[sorted[k]]); s >= 0; s = nodes[s].parent) {
+        path.push_back(s);
+      }
+    }
+    std::sort(path.begin(), path.end());
+    path.erase(std::unique(path.begin(), path.end()), path.end());
+    for (const int s : path) {
+      offsets.push_back(offsets.back() + nodes[s].columns);
+    }
+    const auto index_of = [&](int s) { return std::lower_bound(path.begin(), path.end(), s) - path.begin(); };
+    std::vector<Scalar> x(kTogether * static_cast<std::size_t>(offsets.back())),
+        v(kTogether * static_cast<std::size_t>(tree.most_rows + kWide + kTall));
+    const auto at = [&](std::size_t p, int row) {
+      return x.data() + kTogether * static_cast<std::size_t>(offsets[p] + row - nodes[path[p]].first_column);
+    };
+    for (std::size_t k = begin; k < end; ++k) {
+      at(index_of(node_of(rows[sorted[k]])), rows[sorted[k]])[k - begin] = 1;
+    }
+    for (std::size_t p = 0; p < path.size(); ++p) {
+      const TaskTree::Node& node = nodes[path[p]];
+      const int pad = node.rows + kWide + kTall;
+      const Local<Scalar> local(v.data(), pad);
+      checkpoint(node.rows);
+      for (int i = 0; i < node.columns; ++i) {
+        local.set(i, at(p, node.first_column + i));
+      }
+      local.clear(node.columns, pad);
+      tiles_->kernels.forward(tiles_->values.data() + node.tiles, node.columns, node.rows, v.data(), pad);
+      for (int i = 0; i < node.columns; ++i) {
+        local.get(i, at(p, node.first_column + i));
+      }
+      std::size_t above = p;
+      for (int i = node.columns; i < node.rows; ++i) {
+        int row = tree.rows[static_cast<std::size_t>(node.row_offset + i - node.columns)];
+        row = row < tree.size ? row : tree.list_rows[static_cast<std::size_t>(row - tree.size)];
+        while (row >= nodes[path[above]].first_column + nodes[path[above]].columns) {
+          ++above;
+        }
+        local.add_to(i, at(above, row));
+      }
+    }
+    for (std::size_t k = begin; k < end; ++k) {
+      HalfColumn& half = halves[sorted[k]];
+      for (int s = node_of(rows[sorted[k]]); s >= 0; s = nodes[s].parent) {
+        half.blocks.push_back({nodes[s].first_column, nodes[s].columns});
+        const Scalar* value = at(index_of(s), nodes[s].first_column) + (k - begin);
+        for (int i = 0; i < nodes[s].columns; ++i, value += kTogether) {
+          half.values.push_back(static_cast<double>(*value));
+        }
+      }
+    }
+  });
+  return halves;
 }
 
 template class SupernodalSolver<float>;

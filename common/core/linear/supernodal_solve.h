@@ -5,11 +5,22 @@
 #include <functional>
 #include <memory>
 
+#include <vector>
+
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/base/types.h"
 #include "lapedit/linear/supernodal_analysis.h"
 
 namespace lapedit {
+
+/// L^-1 e for a unit vector e: half a column of A^-1, whose entries are products of two of these.
+struct HalfColumn {
+  struct Block {
+    int first, size;
+  };
+  std::vector<Block> blocks;   ///< rows in the factor's order, ascending, outside of which it is zero
+  std::vector<double> values;  ///< of all blocks
+};
 
 /// Solves with a supernodal factor for three right-hand sides at once, in about the time of reading the factor twice.
 ///
@@ -32,6 +43,9 @@ class SupernodalSolver {
   /// @param x  n x 3, row after row, in the factor's order: row k is the k-th vertex eliminated
   /// Allocates nothing. One call at a time.
   void solve(Scalar* x, ThreadPool& pool);
+
+  /// Returns L^-1 e for the unit vectors e of rows. Cost: reading the supernodes between these rows and the root.
+  std::vector<HalfColumn> half_columns(const std::vector<int>& rows, ThreadPool& pool) const;
 
  private:
   struct Tiles;

@@ -95,11 +95,21 @@ bool cross(const Points& at, const Eigen::Array3i& f, const Eigen::Array3i& g) {
   return false;
 }
 
+/// Returns the distance of a contact's features along its normal.
+double distance_along(const Contact& contact, const Corners& x) {
+  const Vector3& n = contact.normal;
+  const double a = n.dot(x[0]), b = n.dot(x[1]), last = std::max(n.dot(x[2]), n.dot(x[3]));
+  return contact.edges ? std::min(a, b) - last : a - std::max(b, last);
+}
+
 /// Returns the part of a motion, 0 to 1, in which a contact keeps at least `thickness` and a tenth of what it has more
-/// at the beginning.
-double safe_part(const Contact& contact, const Corners& from, const Corners& to, double thickness) {
+/// at the beginning. @param bound  below which it never comes, or 0
+double safe_part(const Contact& contact, const Corners& from, const Corners& to, double bound, double thickness) {
   constexpr double kUsed = 0.9;
   constexpr int kMostSteps = 200;
+  if (bound > thickness + (1 - kUsed) * (contact.distance - thickness)) {
+    return 1;
+  }
   Corners x = from, d;
   Vector3 mean = Vector3::Zero();
   for (int k = 0; k < 4; ++k) {
@@ -176,37 +186,63 @@ class ContactSurface::Patches {
   std::vector<int> parent_;
 };
 
-ContactSurface::ContactSurface(Points rest, Faces faces, int moving_vertices) : rest_(std::move(rest)) {
-  const auto count = static_cast<int>(faces.rows());
+ContactSurface::ContactSurface(Points rest, Faces moving)
+    : rest_(std::move(rest)),
+      moving_vertices_(static_cast<int>(rest_.rows())),
+      moving_faces_(static_cast<int>(moving.rows())) {
+  for (const auto& face : moving.rowwise()) {
+    gap_ += kGap * (rest_.row(face[0]) - rest_.row(face[1])).norm() / moving_faces_;
+  }
+  add_tree(0, moving);
+  moving_nodes_ = static_cast<int>(nodes_.size());
+}
+
+void ContactSurface::set_resting(const Points& more, const Faces& resting) {
+  nodes_.resize(static_cast<std::size_t>(moving_nodes_));
+  rest_.conservativeResize(moving_vertices_ + more.rows(), 3);
+  rest_.bottomRows(more.rows()) = more;
+  add_tree(moving_faces_, resting);
+  resting_bounded_ = false;
+  crosses_.clear();
+  crossing_pieces_.clear();
+}
+
+/// Builds a tree of faces, which replace those from `first` on.
+void ContactSurface::add_tree(int first, const Faces& faces) {
+  const int count = first + static_cast<int>(faces.rows());
   Points centres(count, 3);
-  double length = 0;
-  for (int f = 0; f < count; ++f) {
-    centres.row(f) = (rest_.row(faces(f, 0)) + rest_.row(faces(f, 1)) + rest_.row(faces(f, 2))) / 3;
-    if ((faces.row(f).array() < moving_vertices).any()) {
-      moving_faces_ = f + 1;
-      length += (rest_.row(faces(f, 0)) - rest_.row(faces(f, 1))).norm();
-    }
-  }
-  gap_ = kGap * length / std::max(moving_faces_, 1);
+  faces_.conservativeResize(count, 3);
   order_.resize(static_cast<std::size_t>(count));
-  std::iota(order_.begin(), order_.end(), 0);
-  faces_ = std::move(faces);
+  for (int f = first; f < count; ++f) {
+    const auto face = faces.row(f - first);
+    faces_.row(f) = face;
+    centres.row(f) = (rest_.row(face[0]) + rest_.row(face[1]) + rest_.row(face[2])) / 3;
+    order_[f] = f;
+  }
+  if (first < count) {
+    Patches patches(rest_.rows());
+    build(first, count, centres, patches);
+  }
+  for (int f = first; f < count; ++f) {
+    faces_.row(f) = faces.row(order_[f] - first);
+  }
+  face_bounds_.resize(static_cast<std::size_t>(count));
+  node_bounds_.resize(nodes_.size());
+}
+
+/// Finds the pieces, and what each face stands for: the first face with a corner or an edge does.
+void ContactSurface::find_owners() {
+  const auto count = static_cast<int>(faces_.rows());
+  std::vector<int> all(static_cast<std::size_t>(count));
+  std::iota(all.begin(), all.end(), 0);
   Patches patches(rest_.rows());
-  for (const auto& [first, last] : {std::pair(0, moving_faces_), std::pair(moving_faces_, count)}) {
-    roots_.push_back(first < last ? build(first, last, centres, patches) : -1);
-  }
-  const Faces given = faces_;
+  patches.join(faces_, all, 0, count);
   piece_.resize(static_cast<std::size_t>(count));
-  patches.join(given, order_, 0, count);
-  for (int k = 0; k < count; ++k) {
-    faces_.row(k) = given.row(order_[k]);
-    piece_[k] = patches.find(faces_(k, 0));
-  }
-  // The first face with a corner or an edge stands for it.
   owned_.assign(static_cast<std::size_t>(count), 0);
   std::vector<std::vector<int>> seen(static_cast<std::size_t>(rest_.rows()));  // ends of edges, by their lower vertex
   std::vector<char> has_owner(static_cast<std::size_t>(rest_.rows()), 0);
   for (int f = 0; f < count; ++f) {
+    piece_[f] = patches.find(faces_(f, 0));
     for (int k = 0; k < 3; ++k) {
       const auto [a, b] = ascending(faces_(f, k), faces_(f, (k + 1) % 3));
       const int corner = faces_(f, k);
@@ -218,8 +254,6 @@ ContactSurface::ContactSurface(Points rest, Faces faces, int moving_vertices) : 
       }
     }
   }
-  face_bounds_.resize(static_cast<std::size_t>(count));
-  node_bounds_.resize(nodes_.size());
 }
 
 int ContactSurface::build(int first, int last, const Points& centres, Patches& patches) {
@@ -245,7 +279,7 @@ int ContactSurface::build(int first, int last, const Points& centres, Patches& p
 }
 
 void ContactSurface::bound(const Points& from, const Points& to, ThreadPool& pool) {
-  const bool all = !resting_bounded_ && roots_[1] >= 0;
+  const bool all = !resting_bounded_;
   resting_bounded_ = true;
   in_pieces(pool, all ? static_cast<int>(faces_.rows()) : moving_faces_, kGrain, [&](int first, int last) {
     for (int f = first; f < last; ++f) {
@@ -266,7 +300,7 @@ void ContactSurface::bound(const Points& from, const Points& to, ThreadPool& poo
       bounds.normal_high = before.cwiseMax(after).array();
     }
   });
-  for (int n = (all || roots_[1] < 0 ? static_cast<int>(nodes_.size()) : roots_[1]) - 1; n >= 0; --n) {
+  for (int n = (all ? static_cast<int>(nodes_.size()) : moving_nodes_) - 1; n >= 0; --n) {
     const Node& node = nodes_[n];
     if (node.right < 0) {
       node_bounds_[n] = face_bounds_[node.first];
@@ -280,19 +314,38 @@ void ContactSurface::bound(const Points& from, const Points& to, ThreadPool& poo
   }
 }
 
-/// Returns whether boxes come nearer than a gap in the motion of one relative to the other.
+/// Returns whether boxes come nearer than the margin in the motion of one relative to the other.
 bool ContactSurface::may_touch(const Bounds& a, const Bounds& b) const {
+  if (margin_ == 0) {  // at rest, see crossings()
+    return a.low[0] <= b.high[0] && a.high[0] >= b.low[0] && a.low[1] <= b.high[1] && a.high[1] >= b.low[1] &&
+           a.low[2] <= b.high[2] && a.high[2] >= b.low[2];
+  }
   const Eigen::Array3d least = (a.least - b.most).min(0.0), most = (a.most - b.least).max(0.0);
-  return (a.low + least <= b.high + gap_).all() && (a.high + most >= b.low - gap_).all();
+  return (a.low + least <= b.high + margin_).all() && (a.high + most >= b.low - margin_).all();
 }
 
-/// Returns whether a node is a connected patch whose normals are within a cone, before and after the motion.
-bool ContactSurface::is_smooth(int node) const {
+/// Returns whether two nodes, or the same twice, are a connected patch whose normals are within a cone, before and
+/// after the motion. Of two nodes only leaves count.
+bool ContactSurface::is_smooth(int a, int b) const {
   constexpr double kCosine = 0.25;
-  const Bounds& bounds = node_bounds_[node];
-  const Eigen::Array3d axis = bounds.normal_low + bounds.normal_high;
-  const double length = axis.matrix().norm();
-  return nodes_[node].connected && (axis * bounds.normal_low).min(axis * bounds.normal_high).sum() > kCosine * length;
+  if (!nodes_[a].connected || !nodes_[b].connected || (a != b && (nodes_[a].right >= 0 || nodes_[b].right >= 0))) {
+    return false;
+  }
+  const Eigen::Array3d low = node_bounds_[a].normal_low.min(node_bounds_[b].normal_low);
+  const Eigen::Array3d high = node_bounds_[a].normal_high.max(node_bounds_[b].normal_high), axis = low + high;
+  return (axis * low).min(axis * high).sum() > kCosine * axis.matrix().norm() && (a == b || have_common_corner(a, b));
+}
+
+bool ContactSurface::have_common_corner(int a, int b) const {
+  const auto of = [this](int node) {
+    return faces_.middleRows(nodes_[node].first, nodes_[node].last - nodes_[node].first).reshaped();
+  };
+  for (const int v : of(a)) {
+    if ((of(b).array() == v).any()) {
+      return true;
+    }
+  }
+  return false;
 }
 
 bool ContactSurface::is_exempt(int f, int g) const {
@@ -323,14 +376,14 @@ bool ContactSurface::are_apart(int f, int g) const {
 template <class Found, class Visit>
 std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visit) const {
   using Pair = std::pair<int, int>;
-  if (roots_[0] < 0) {
+  if (moving_nodes_ == 0) {
     return {};  // a cloud
   }
   std::vector<Pair> tasks;
   const auto split = [this](Pair pair, std::vector<Pair>& open) {
     const auto [a, b] = pair;
     if (a == b) {
-      if (!is_smooth(a)) {
+      if (!is_smooth(a, a)) {
         open.insert(open.end(), {{a + 1, a + 1}, {nodes_[a].right, nodes_[a].right}, {a + 1, nodes_[a].right}});
       }
     } else if (may_touch(node_bounds_[a], node_bounds_[b])) {
@@ -344,9 +397,9 @@ std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visi
     }
   };
   const auto is_leaf = [this](Pair pair) { return nodes_[pair.first].right < 0 && nodes_[pair.second].right < 0; };
-  tasks.push_back({roots_[0], roots_[0]});
-  if (roots_[1] >= 0) {
-    tasks.push_back({roots_[0], roots_[1]});
+  tasks.push_back({0, 0});
+  if (moving_nodes_ < static_cast<int>(nodes_.size())) {
+    tasks.push_back({0, moving_nodes_});
   }
   for (std::size_t before = 0; tasks.size() < kTasks && tasks.size() != before;) {
     before = tasks.size();
@@ -367,8 +420,8 @@ std::vector<Found> ContactSurface::each_pair(ThreadPool& pool, const Visit& visi
       checkpoints();
       if (!is_leaf(pair)) {
         split(pair, open);
-      } else if (pair.first == pair.second ? !is_smooth(pair.first)
-                                           : may_touch(node_bounds_[pair.first], node_bounds_[pair.second])) {
+      } else if (may_touch(node_bounds_[pair.first], node_bounds_[pair.second]) &&
+                 !is_smooth(pair.first, pair.second)) {
         for (int f = nodes_[pair.first].first; f < nodes_[pair.first].last; ++f) {
           for (int g = pair.first == pair.second ? f + 1 : nodes_[pair.second].first; g < nodes_[pair.second].last;
                ++g) {
@@ -421,6 +474,7 @@ bool ContactSurface::update(Contact& contact, const Points& at) {
 
 /// Returns the pairs of faces that cross, without those known to be exempt.
 std::vector<std::pair<int, int>> ContactSurface::crossings(const Points& at, ThreadPool& pool) {
+  margin_ = 0;
   bound(at, at, pool);
   return each_pair<std::pair<int, int>>(pool, [&](int f, int g, auto& pairs) {
     if (cross(at, faces_.row(f).transpose(), faces_.row(g).transpose())) {
@@ -434,6 +488,7 @@ void ContactSurface::find_exempt(ThreadPool& pool) {
   if (!crosses_.empty()) {
     return;
   }
+  find_owners();
   const auto found = crossings(rest_, pool);
   crosses_.assign(static_cast<std::size_t>(faces_.rows()), 0);
   std::vector<char> at(static_cast<std::size_t>(rest_.rows()), 0);
@@ -462,35 +517,34 @@ bool ContactSurface::is_clear(const Points& at, ThreadPool& pool) {
 
 Sweep ContactSurface::sweep(const Points& from, const Points& to, ThreadPool& pool) {
   find_exempt(pool);
+  margin_ = gap_;
   bound(from, to, pool);
   Sweep sweep;
   sweep.contacts = each_pair<Contact>(pool, [&](int f, int g, std::vector<Contact>& found) {
     each_feature(f, g, [&](Contact contact) {
-      const Corners before = corners(contact, from);
-      const double distance = nearest(before, contact.edges, contact.weights).norm();
-      double most = 0;
-      const Corners after = corners(contact, to);
-      const Vector3 with = after[0] - before[0];
-      for (int k = 1; k < 4; ++k) {
-        most = std::max(most, (after[k] - before[k] - with).norm());
+      const Corners before = corners(contact, from), after = corners(contact, to);
+      if (!place(contact, before)) {
+        return;
       }
-      const double nearer = distance - (contact.edges ? 2 * most : most);
+      // The distance along a fixed direction is concave in time: least at the beginning or at the end.
+      const double nearer = std::min(contact.distance, distance_along(contact, after));
       if (nearer >= gap_) {
         return;
       }
       contact.gap = gap_of(contact);
-      contact.distance = distance;
       if (!(contact.gap > 0) || nearer >= contact.gap) {
         return;
       }
-      const double safe = safe_part(contact, before, after, std::min(kLeast * contact.gap, 0.5 * distance));
-      const double at = distance < contact.gap ? 0 : safe;
-      Corners x;
-      for (int k = 0; k < 4; ++k) {
-        x[k] = before[k] + at * (after[k] - before[k]);
+      contact.safe = safe_part(contact, before, after, nearer, std::min(kLeast * contact.gap, 0.5 * contact.distance));
+      bool is_near = contact.distance < contact.gap;
+      if (!is_near) {
+        Corners x;
+        for (int k = 0; k < 4; ++k) {
+          x[k] = before[k] + contact.safe * (after[k] - before[k]);
+        }
+        is_near = place(contact, x) && (contact.safe < 1 || contact.distance < contact.gap);
       }
-      if (place(contact, x) && (safe < 1 || contact.distance < contact.gap)) {
-        contact.safe = safe;
+      if (is_near) {
         found.push_back(contact);
       }
     });

@@ -29,21 +29,25 @@ struct Sweep {
   double safe = 1;
 };
 
-/// Finds contacts of a moving surface with itself and with a resting one, by a tree of boxes over faces, with the boxes
+/// Finds contacts of a moving surface with itself and with a resting one, by trees of boxes over faces, with the boxes
 /// of their motions. Connected patches whose normals are within a cone do not meet themselves (P. Volino, N.
 /// Magnenat-Thalmann 1994). Faces that cross at rest, or touch, and pieces that do are exempt: they may stay so.
 class ContactSurface {
  public:
-  /// @param rest    vertices at rest: the moving ones come first. @param faces  the moving ones first, any corner of
-  ///                which moves
+  /// @param rest   vertices at rest. @param moving  faces any corner of which moves
   /// O(faces log faces).
-  ContactSurface(Points rest, Faces faces, int moving_vertices);
+  ContactSurface(Points rest, Faces moving);
+  /// Replaces the resting faces. @param more  their further vertices, whose numbers follow those of the constructor.
+  /// O(faces log faces), faces being the resting ones
+  void set_resting(const Points& more, const Faces& resting);
 
   /// Returns the distance that contacts keep, unless they are nearer at rest: a fraction of a mean edge.
   double gap() const { return gap_; }
   const Points& rest() const { return rest_; }
+  /// Returns the number of vertices of moving faces.
+  int moving_vertices() const { return moving_vertices_; }
 
-  /// Returns whether nothing crosses or is nearer than its gap. O(faces), and the pairs that are near.
+  /// Returns whether nothing crosses. O(faces), and the pairs whose boxes meet.
   bool is_clear(const Points& at, ThreadPool& pool);
 
   /// Moves all vertices straight from one place, where nothing crosses, to another. Contacts are what is nearer than
@@ -67,12 +71,15 @@ class ContactSurface {
   };
   class Patches;
 
+  void add_tree(int first, const Faces& faces);
   int build(int first, int last, const Points& centres, Patches& patches);
   void bound(const Points& from, const Points& to, ThreadPool& pool);
   std::vector<std::pair<int, int>> crossings(const Points& at, ThreadPool& pool);
+  void find_owners();
   void find_exempt(ThreadPool& pool);
   bool may_touch(const Bounds& a, const Bounds& b) const;
-  bool is_smooth(int node) const;
+  bool is_smooth(int a, int b) const;
+  bool have_common_corner(int a, int b) const;
   bool is_exempt(int f, int g) const;
   bool are_apart(int f, int g) const;
   template <class Found, class Visit>
@@ -82,12 +89,11 @@ class ContactSurface {
   double gap_of(const Contact& contact) const;
 
   Points rest_;
-  Faces faces_;             // in the order of the tree
+  Faces faces_;             // in the order of the trees
   std::vector<int> order_;  // of the given faces
-  int moving_faces_ = 0;
-  double gap_ = 0;
-  std::vector<Node> nodes_;
-  std::vector<int> roots_;  // of moving and of resting faces; -1: none
+  int moving_vertices_ = 0, moving_faces_ = 0, moving_nodes_ = 0;
+  double gap_ = 0, margin_ = 0;  // of the boxes of a search
+  std::vector<Node> nodes_;      // of the moving faces, and of the resting ones
   bool resting_bounded_ = false;
   std::vector<Bounds> node_bounds_, face_bounds_;
   std::vector<unsigned char> owned_;  // per face: which of its corners (bits 0 to 2) and edges (3 to 5) it stands for

@@ -17,7 +17,7 @@ TriangleMesh plates(double height, double shift = 0.3) {
 }
 
 ContactSurface surface(const TriangleMesh& mesh) {
-  return ContactSurface(mesh.vertices, mesh.faces, static_cast<int>(mesh.vertices.rows()));
+  return ContactSurface(mesh.vertices, mesh.faces);
 }
 
 Points lowered(const TriangleMesh& mesh, double by) {
@@ -43,6 +43,29 @@ TEST(ContactSearch, SweepIsSafeUntilPlatesTouch) {
       EXPECT_GT(contact.gap, 0);
     }
   }
+}
+
+TEST(ContactSearch, RestingFacesStopAndCanBeReplaced) {
+  const TriangleMesh plate = shapes::grid(12, 12);
+  const auto n = static_cast<int>(plate.vertices.rows());
+  const Points above = plate.vertices.rowwise() + Eigen::RowVector3d(0.3, 0.2, 1);
+  const Faces resting = plate.faces.array() + n;
+  ThreadPool pool(2);
+  ContactSurface plates(above, plate.faces);
+  const auto safe = [&](double by) {
+    Points from = plates.rest(), to = from;
+    to.topRows(n).col(2).array() -= by;
+    return plates.sweep(from, to, pool).safe;
+  };
+  EXPECT_EQ(safe(2), 1);
+  plates.set_resting(plate.vertices, resting);
+  EXPECT_LT(safe(2), 0.5);
+  EXPECT_GT(safe(2), 0.4);
+  plates.set_resting(plate.vertices.rowwise() - Eigen::RowVector3d(0, 0, 2), resting);
+  EXPECT_EQ(safe(2), 1);
+  EXPECT_LT(safe(4), 0.75);
+  plates.set_resting(Points(0, 3), Faces(0, 3));
+  EXPECT_EQ(safe(4), 1);
 }
 
 TEST(ContactSearch, DoesNotDependOnThreads) {
