@@ -12,33 +12,27 @@ namespace {
 
 constexpr double kAbove = 0.9993;  // end of the depth range of lines, so that they are in front of the surface
 
-void segments(const Points& ends) {
+void lines(GLenum mode, const Points& ends) {
   glEnableClientState(GL_VERTEX_ARRAY);
   glVertexPointer(3, GL_DOUBLE, 0, ends.data());
-  glDrawArrays(GL_LINES, 0, static_cast<GLsizei>(ends.rows()));
+  glDrawArrays(mode, 0, static_cast<GLsizei>(ends.rows()));
   glDisableClientState(GL_VERTEX_ARRAY);
+}
+
+void segments(const Points& ends) {
+  lines(GL_LINES, ends);
 }
 
 /// Draws a circle in the tangent plane, for a radius that is too large to follow along the surface.
 void tangentCircle(const HoverPreview& preview, double radius) {
-  constexpr int kCorners = 64;
   const Vector3 u = preview.normal.unitOrthogonal(), v = preview.normal.cross(u);
-  glBegin(GL_LINES);  // every second side: dashes
-  for (int i = 0; i < kCorners; ++i) {
-    const double angle = 2 * 3.14159265358979 * i / kCorners;
-    pen::vertex(Vector3(preview.point + radius * (std::cos(angle) * u + std::sin(angle) * v)));
-  }
-  glEnd();
+  pen::circle(GL_LINES, 64, [&](double angle) {  // every second side: dashes
+    return Vector3(preview.point + radius * (std::cos(angle) * u + std::sin(angle) * v));
+  });
 }
 
 void dot(const Vector3& position, double size, double pixelRatio, double alpha = 0.8) {
-  for (const bool rim : {true, false}) {
-    glPointSize(static_cast<GLfloat>((rim ? size + 3 : size) * pixelRatio));
-    pen::set(rim ? pen::kDark : pen::kYellow, alpha);
-    glBegin(GL_POINTS);
-    pen::vertex(position);
-    glEnd();
-  }
+  pen::dots(pen::kYellow, size * pixelRatio, alpha, [&] { pen::shape(GL_POINTS, std::initializer_list{position}); });
 }
 
 /// Draws the mirror image, paler.
@@ -53,21 +47,13 @@ void drawImage(const HoverPreview& preview, double pixelRatio) {
   }
 }
 
-/// Draws the piece of the curve that a click would add.
-void drawPath(const Points& path, double pixelRatio) {
-  glDepthRange(0, kAbove);
-  glEnableClientState(GL_VERTEX_ARRAY);
-  glVertexPointer(3, GL_DOUBLE, 0, path.data());
-  pen::rimmed(pen::kYellow, 2, pixelRatio, [&] { glDrawArrays(GL_LINE_STRIP, 0, static_cast<GLsizei>(path.rows())); });
-  glDisableClientState(GL_VERTEX_ARRAY);
-  glDepthRange(0, 1);
-}
-
 }  // namespace
 
 void drawHover(const HoverPreview& preview, double pixelRatio) {
-  if (preview.path.rows() > 1) {
-    drawPath(preview.path, pixelRatio);
+  if (preview.path.rows() > 1) {  // the piece of the curve that a click would add
+    glDepthRange(0, kAbove);
+    pen::rimmed(pen::kYellow, 2, pixelRatio, [&] { lines(GL_LINE_STRIP, preview.path); });
+    glDepthRange(0, 1);
   }
   if (preview.curve_point) {
     dot(*preview.curve_point, 13, pixelRatio);

@@ -51,23 +51,16 @@ void drawPivot(const DragSession& session, const Camera& view, double pixelRatio
       session.motion()) {
     return;
   }
-  const Vector2 center = view.pixel(session.pivot_position()), across(9, 0), up(0, 9);
+  const Vector2 center = view.pixel(session.pivot_position());
   pen::rimmed(pen::kOrange, 2, pixelRatio, [&] {
     pen::circle(center, 5);
-    pen::line<Vector2>(center - across, center + across);
-    pen::line<Vector2>(center - up, center + up);
+    pen::cross(center, 9);
   });
 }
 
 void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixelRatio) {
   pen::rimmed(color, 1.5, pixelRatio, [&] { pen::circle(brush.center, brush.radius); });
-  pen::rimmed(color, 1.5, pixelRatio, [&] {  // plus if it adds, minus if it removes
-    const Vector2 across(4, 0), up(0, 4);
-    pen::line<Vector2>(brush.center - across, brush.center + across);
-    if (!brush.takes) {
-      pen::line<Vector2>(brush.center - up, brush.center + up);
-    }
-  });
+  pen::rimmed(color, 1.5, pixelRatio, [&] { pen::cross(brush.center, 4, !brush.takes); });
 }
 
 /// Returns the colour of the brush's target.
@@ -105,17 +98,10 @@ void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
   }
   const Vector3 corners[] = {center - sides[0] - sides[1], center + sides[0] - sides[1], center + sides[0] + sides[1],
                              center - sides[0] + sides[1]};
-  const auto pane = [&](GLenum mode) {
-    glBegin(mode);
-    for (const Vector3& corner : corners) {
-      pen::vertex(corner);
-    }
-    glEnd();
-  };
   pen::set(pen::kPurple, 0.12);
-  pane(GL_QUADS);
+  pen::shape(GL_QUADS, corners);
   pen::rimmed(
-      pen::kPurple, 1, pixelRatio, [&] { pane(GL_LINE_LOOP); }, 0.6);
+      pen::kPurple, 1, pixelRatio, [&] { pen::shape(GL_LINE_LOOP, corners); }, 0.6);
 }
 
 void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double pixelRatio) {
@@ -162,13 +148,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   if (view.valid()) {
     const pen::InPixels pixels(options.width, options.height);
     if (session.lasso() != nullptr) {
-      pen::rimmed(brushColor(session), 1.5, ratio, [&] {
-        glBegin(GL_LINE_LOOP);
-        for (const Vector2& pixel : *session.lasso()) {
-          pen::vertex(pixel);
-        }
-        glEnd();
-      });
+      pen::rimmed(brushColor(session), 1.5, ratio, [&] { pen::shape(GL_LINE_LOOP, *session.lasso()); });
     } else if (options.brush) {
       drawBrush(*options.brush, brushColor(session), ratio);
     } else {

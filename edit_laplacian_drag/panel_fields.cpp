@@ -15,7 +15,6 @@
 #include <iterator>
 
 #include "panel.h"
-#include "panel_icons.h"
 #include "panel_widgets.h"
 
 using namespace lapedit;

@@ -14,7 +14,6 @@
 #include <type_traits>
 
 #include "panel.h"
-#include "panel_icons.h"
 #include "panel_widgets.h"
 
 using namespace lapedit;

@@ -49,17 +49,12 @@ void tint(const std::vector<unsigned>& corners, const pen::Color& color, double 
   triangles(corners);
 }
 
-/// Draws points with a dark rim, which are visible on any mesh.
 void points(const std::vector<unsigned>& indices, const pen::Color& color, double size, double alpha,
             bool rimmed = true) {
-  for (const bool rim : {true, false}) {
-    if (rim && !rimmed) {
-      continue;
-    }
-    glPointSize(static_cast<GLfloat>(rim ? size + 3 : size));
-    pen::set(rim ? pen::kDark : color, alpha);
-    glDrawElements(GL_POINTS, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
-  }
+  pen::dots(
+      color, size, alpha,
+      [&] { glDrawElements(GL_POINTS, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data()); },
+      rimmed);
 }
 
 }  // namespace
