@@ -6,7 +6,6 @@
 #include <QTimer>
 #include <QToolTip>
 #include <chrono>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -317,7 +316,8 @@ void LaplacianDragTool::openPanel() {
       }
     });
   });
-  connect(&panel, &Panel::command, this, [this](const QString& part) { guarded([&] { command(part); }); });
+  connect(&panel, &Panel::command, this,
+          [this](const QString& part, std::optional<DragKey> key) { guarded([&] { command(part, key); }); });
   connect(&panel, &Panel::closed, this, [this] { window_.endTool(); });
   shared_->showPanel();
   window_.viewport().removeEventFilter(this);
@@ -384,8 +384,8 @@ void LaplacianDragTool::refreshPanel() {
 
 // --- The panel's buttons --------------------------------------------------------------------------------------------
 
-void LaplacianDragTool::command(const QString& part) {
-  if (part == "help") {
+void LaplacianDragTool::command(const QString& part, std::optional<DragKey> key) {
+  if (key == DragKey::Help) {
     shown_.keys = !shown_.keys;
     window_.repaint();
   }
@@ -395,35 +395,24 @@ void LaplacianDragTool::command(const QString& part) {
   }
   notice_.clear();
   DragSession& session = active_->session();
-  const std::map<QString, std::function<void()>> commands = {
-      {"from_selection",
-       [&] {
-         std::vector<int> selected = active_->selected(*layer->mesh);
-         const BrushTarget target = session.tools().paint.value_or(BrushTarget::Region);
-         target == BrushTarget::Region   ? session.set_region(std::move(selected))
-         : target == BrushTarget::Handle ? session.set_handle(std::move(selected))
-                                         : session.set_anchors(std::move(selected));
-       }},
-      {"invert", [&] { session.change_painted(PaintChange::Invert); }},
-      {"blur", [&] { session.change_painted(PaintChange::Blur); }},
-      {"component", [&] { session.whole_component(); }},
-      {"grow", [&] { session.key(DragKey::Grow); }},
-      {"shrink", [&] { session.key(DragKey::Shrink); }},
-      {"clear", [&] { session.tools().paint ? session.change_painted(PaintChange::Clear) : session.clear(); }},
-      {"move", [&] { session.key(DragKey::Translate, cursor()); }},
-      {"rotate", [&] { session.key(DragKey::Rotate, cursor()); }},
-      {"scale", [&] { session.key(DragKey::Scale, cursor()); }},
-      {"apply", [&] { session.apply(); }},
-      {"cancel", [&] { session.cancel(); }},
-      {"undo", [&] { session.undo(); }},
-      {"redo", [&] { session.redo(); }},
-      {"reset", [&] { session.go_to(0); }},
-      {"save", [&] { askToSave(*layer); }},
-      {"load", [&] { askToLoad(*layer); }},
-  };
-  const auto found = commands.find(part);
-  if (found != commands.end()) {
-    found->second();
+  const std::optional<BrushTarget> paint = session.tools().paint;
+  if (key) {
+    session.key(*key, cursor());
+  } else if (part == "from_selection") {
+    std::vector<int> selected = active_->selected(*layer->mesh);
+    paint == BrushTarget::Handle    ? session.set_handle(std::move(selected))
+    : paint == BrushTarget::Anchors ? session.set_anchors(std::move(selected))
+                                    : session.set_region(std::move(selected));
+  } else if (part == "invert" || part == "blur") {
+    session.change_painted(part == "blur" ? PaintChange::Blur : PaintChange::Invert);
+  } else if (part == "component") {
+    session.whole_component();
+  } else if (part == "clear") {
+    paint ? session.change_painted(PaintChange::Clear) : session.clear();
+  } else if (part == "reset") {
+    session.go_to(0);
+  } else {
+    part == "save" ? askToSave(*layer) : askToLoad(*layer);
   }
   takeKeys();
   afterEvent();

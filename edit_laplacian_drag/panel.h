@@ -23,7 +23,6 @@ class QListWidget;
 class QProgressBar;
 class QPushButton;
 class QSlider;
-class QSpinBox;
 class QVBoxLayout;
 
 /// The tool's dock panel: groups of widgets that fold. Every widget is named laplacian_drag_<part>; tests use the
@@ -49,8 +48,8 @@ class Panel : public QDockWidget {
  signals:
   /// Emitted when a value was edited.
   void edited(const Panel::Change& change);
-  /// Emitted when a button was pressed. @param part  <part> of its name
-  void command(const QString& part);
+  /// Emitted when a button was pressed. @param part  <part> of its name. @param key  that does the same; none: no key
+  void command(const QString& part, std::optional<lapedit::DragKey> key);
   /// Emitted when the user closed the panel.
   void closed();
 
@@ -73,7 +72,6 @@ class Panel : public QDockWidget {
   void addBasic();
   void addRegion();
   void addDetail();
-  void addAutomatic();
   void addPieces();
   void addMirror();
   void addPaint();
@@ -99,13 +97,16 @@ class Panel : public QDockWidget {
                          const Access& access);
   QDoubleSpinBox* percent(const char* part, int high, const QString& help, const Access& access);
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
-  /// @param set  called with the value while the slider is moved (passing), and at its release
-  QSlider* slider(const char* part, int high, const QString& help, const std::function<void(int, bool passing)>& set);
-  QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
+  /// Makes a slider of percents. @param set  called with the value while the slider is moved (passing), and at its
+  /// release
+  QSlider* slider(const char* part, int high, const QString& help,
+                  const std::function<double(const lapedit::DragSession&)>& get,
+                  const std::function<void(lapedit::DragSession&, double, bool passing)>& set);
   QCheckBox* check(const char* part, const QString& text, const QString& help, const Access& access);
   QPushButton* resetButton();
   QComboBox* choice(const char* part, const QStringList& choices, const QString& help, const Access& access);
-  QPushButton* button(const char* part, const QString& text, const QString& help);
+  QPushButton* button(const char* part, const QString& text, const QString& help,
+                      std::optional<lapedit::DragKey> key = {});
   QLabel* figure(const char* part, const QString& help);
   /// Connects the widget: input changes the session, and show() displays its value.
   template <class Widget, class Value>
