@@ -39,9 +39,9 @@ void dot(const Vector3& position, double size, double pixelRatio, double alpha =
 void drawImage(const HoverPreview& preview, double pixelRatio) {
   constexpr double kPale = 0.45;
   pen::rimmed(
-      pen::kLight, 1.2, pixelRatio, [&] { segments(preview.mirrored_region); }, kPale);
+      pen::kLight, 1.2, pixelRatio, [&] { segments(preview.mirrored.region); }, kPale);
   pen::rimmed(
-      pen::kYellow, 2, pixelRatio, [&] { segments(preview.mirrored_disc); }, kPale);
+      pen::kYellow, 2, pixelRatio, [&] { segments(preview.mirrored.disc); }, kPale);
   if (preview.disc_radius == 0) {
     dot(*preview.mirrored_point, 7, pixelRatio, kPale);
   }

@@ -29,11 +29,7 @@ constexpr std::chrono::milliseconds kLongestFinish{50};
 
 }  // namespace
 
-LaplacianDragTool::LaplacianDragTool()
-    : others_([this] {
-        QMetaObject::invokeMethod(
-            this, [this] { poll(); }, Qt::QueuedConnection);
-      }) {}
+LaplacianDragTool::LaplacianDragTool() : others_([this] { later([this] { poll(); }); }) {}
 
 LaplacianDragTool::~LaplacianDragTool() {
   if (shared_) {
@@ -51,6 +47,11 @@ void LaplacianDragTool::guarded(const std::function<void()>& call) {
   } catch (const std::exception& error) {
     say(error.what());
   }
+}
+
+void LaplacianDragTool::later(const std::function<void()>& call) {
+  QMetaObject::invokeMethod(
+      this, [this, call] { guarded(call); }, Qt::QueuedConnection);
 }
 
 void LaplacianDragTool::say(const std::string& line) {
@@ -399,10 +400,7 @@ void LaplacianDragTool::command(const QString& part, std::optional<DragKey> key)
   if (key) {
     session.key(*key, cursor());
   } else if (part == "from_selection") {
-    std::vector<int> selected = active_->selected(*layer->mesh);
-    paint == BrushTarget::Handle    ? session.set_handle(std::move(selected))
-    : paint == BrushTarget::Anchors ? session.set_anchors(std::move(selected))
-                                    : session.set_region(std::move(selected));
+    session.set_painted(paint.value_or(BrushTarget::Region), active_->selected(*layer->mesh));
   } else if (part == "invert" || part == "blur") {
     session.change_painted(part == "blur" ? PaintChange::Blur : PaintChange::Invert);
   } else if (part == "component") {

@@ -59,6 +59,7 @@ class LaplacianDragTool : public QObject {
 
  private:
   void guarded(const std::function<void()>& call);  ///< reports exceptions, which would end MeshLab
+  void later(const std::function<void()>& call);    ///< calls it after the current event, on any thread
   void mousePress(const QMouseEvent& event);        ///< also the second press of a double click
   void mouseMove(const QMouseEvent& event);
   void mouseRelease(const QMouseEvent& event);

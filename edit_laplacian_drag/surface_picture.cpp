@@ -49,6 +49,21 @@ void tint(const std::vector<unsigned>& corners, const pen::Color& color, double 
   triangles(corners);
 }
 
+/// Draws faces with a tint and, over it, a hatch. Then lines and points may follow.
+void faces(const std::vector<unsigned>& corners, const pen::Color& color, double alpha, const pen::Color& hatched,
+           double hatchAlpha) {
+  glDepthRange(0, 1);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  tint(corners, color, alpha);
+  if (hatchAlpha > 0) {
+    glEnable(GL_POLYGON_STIPPLE);
+    tint(corners, hatched, hatchAlpha);
+    glDisable(GL_POLYGON_STIPPLE);
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDepthRange(0, kShift);
+}
+
 void points(const std::vector<unsigned>& indices, const pen::Color& color, double size, double alpha,
             bool rimmed = true) {
   pen::dots(
@@ -320,19 +335,13 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
     glMultMatrixd(map.data());
     glDisable(GL_DEPTH_TEST);
   }
-  glDepthRange(0, 1);
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  const bool tinted = options.colours != Colours::None;
-  if (tinted) {
-    tint(patch.faces, color, (moving ? 0.25 : active ? 0.5 : 0.25) + (hovered ? 0.2 : 0));
+  if (options.colours != Colours::None) {
+    faces(patch.faces, color, (active && !moving ? 0.5 : 0.25) + (hovered ? 0.2 : 0), color,
+          active   ? 0
+          : moving ? 0.45
+                   : 0.7);
   }
-  if (!active && tinted) {
-    glEnable(GL_POLYGON_STIPPLE);
-    tint(patch.faces, color, moving ? 0.45 : 0.7);
-    glDisable(GL_POLYGON_STIPPLE);
-  }
-  glDisable(GL_POLYGON_OFFSET_FILL);
-
+  glDepthRange(0, kShift);
   // Loose vertices next to faces of the group get no mark of their own.
   const bool alone = patch.faces.empty();
   const double ratio = options.pixelRatio;
@@ -362,7 +371,6 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   if (!ahead) {
     glEnable(GL_DEPTH_TEST);
   }
-  glDepthRange(0, kShift);
   outline(width, 1);
   points(patch.loose, color, size, 1, alone);
   points(patch.points, color, 9 * ratio, 1);
@@ -374,14 +382,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
 
 /// Draws vertices that are in no group, hatched.
 void SurfacePicture::drawMarked(const Patch& patch, const Mark& mark, double pixelRatio) {
-  glDepthRange(0, 1);
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  tint(patch.faces, mark.tint, mark.alpha);
-  glEnable(GL_POLYGON_STIPPLE);
-  tint(patch.faces, pen::kDark, mark.hatch);
-  glDisable(GL_POLYGON_STIPPLE);
-  glDisable(GL_POLYGON_OFFSET_FILL);
-  glDepthRange(0, kShift);
+  faces(patch.faces, mark.tint, mark.alpha, pen::kDark, mark.hatch);
   pen::set(mark.outline);
   pen::chains(patch.border, 1.5 * pixelRatio);
   points(patch.loose, mark.outline, 4 * pixelRatio, 1);

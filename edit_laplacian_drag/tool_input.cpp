@@ -86,8 +86,7 @@ bool LaplacianDragTool::handle(QEvent& event) {
         return true;
       }
       clock_.paintBegins();
-      QMetaObject::invokeMethod(
-          this, [this] { guarded([this] { framePainted(); }); }, Qt::QueuedConnection);
+      later([this] { framePainted(); });
       break;
     case QEvent::ShortcutOverride:
       if (isOfWindow(sessionKey(static_cast<QKeyEvent&>(event)))) {

@@ -65,8 +65,7 @@ void LaplacianDragTool::draw() {
 /// Draws over the scene. The modelview matrix is that of the world.
 void LaplacianDragTool::drawAll() {
   if (isStale()) {
-    QMetaObject::invokeMethod(
-        this, [this] { guarded([this] { isStale() && begin(); }); }, Qt::QueuedConnection);
+    later([this] { isStale() && begin(); });
   }
   const auto layer = usableLayer();
   const QWidget& viewport = window_.viewport();
@@ -99,8 +98,7 @@ void LaplacianDragTool::drawAll() {
     glPopMatrix();
     if (window_.suspended() && session.motion()) {
       // MeshLab's button or menu has suspended the tool. Cancel after drawing, since no upload is possible during it.
-      QMetaObject::invokeMethod(
-          this, [this] { guarded([this] { cancelMotion(); }); }, Qt::QueuedConnection);
+      later([this] { cancelMotion(); });
     }
   }
   drawLine(line(layer.has_value()));

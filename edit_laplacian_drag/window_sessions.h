@@ -108,8 +108,8 @@ class WindowSessions : public QObject {
 
   explicit WindowSessions(QWidget& window);
   void poll();
-  Sessions::iterator find(const LayerSession& session);
-  Sessions::iterator erase(Sessions::iterator known);
+  template <class IsGone>
+  void forgetIf(const IsGone& isGone);
   void endLater(std::unique_ptr<LayerSession> session);
   void forgetDocument(const QObject* document);
   void followProject();

@@ -277,19 +277,12 @@ bool DragSession::change_region(const Choose& choose) {
   return true;
 }
 
-void DragSession::set_region(std::vector<int> vertices) {
+void DragSession::set_painted(BrushTarget target, std::vector<int> vertices) {
   model_.weld.to_representatives(vertices);
-  change_region([&](const Surface& s, const Selection& now) { return with_region(s, now, std::move(vertices)); });
-}
-
-void DragSession::set_anchors(std::vector<int> vertices) {
-  model_.weld.to_representatives(vertices);
-  change_region([&](const Surface& s, const Selection& now) { return with_anchors(s, now, std::move(vertices)); });
-}
-
-void DragSession::set_handle(std::vector<int> vertices) {
-  model_.weld.to_representatives(vertices);
-  change_region([&](const Surface& s, const Selection& now) { return with_handle(s, now, std::move(vertices)); });
+  const auto choose = target == BrushTarget::Region   ? with_region
+                      : target == BrushTarget::Handle ? with_handle
+                                                      : with_anchors;
+  change_region([&](const Surface& s, const Selection& now) { return choose(s, now, std::move(vertices)); });
 }
 
 void DragSession::change_painted(PaintChange change) {

@@ -159,13 +159,12 @@ class DragSession {
 
   // Region -----------------------------------------------------------------------------------------------------------
 
-  void set_region(std::vector<int> vertices);   ///< any order; keeps the handles inside it
-  void set_anchors(std::vector<int> vertices);  ///< replaces the anchor band of the region
-  void set_handle(std::vector<int> vertices);   ///< replaces the active handle
-  void change_painted(PaintChange change);      ///< of the brush's target; one action of timeline()
-  void whole_component();                       ///< the connected components of the handles
-  void clear();                                 ///< no region, no handle, no fixed vertices
-  void keep_painted();                          ///< no handle; only a painted region, and the fixed vertices
+  /// Makes vertices, in any order, the region, with the handles inside it, the active handle, or the region's anchors.
+  void set_painted(BrushTarget target, std::vector<int> vertices);
+  void change_painted(PaintChange change);  ///< of the brush's target; one action of timeline()
+  void whole_component();                   ///< the connected components of the handles
+  void clear();                             ///< no region, no handle, no fixed vertices
+  void keep_painted();                      ///< no handle; only a painted region, and the fixed vertices
   Inheritance inheritance() const;
   /// Continues an earlier session, before anything is done: takes over settings and switches, if the faces are the same
   /// what was painted, and for saved() the steps.

@@ -460,14 +460,15 @@ void SessionSolver::commit_adjusted() {
   History& history = model_.history;
   const std::shared_ptr<const Region> region = adjusting.region;
   model_.shown.await(nullptr);
+  std::optional<StepPath> path;
   if (!adjusting.is_new) {
-    model_.show(history.steps().back().vertices, history.steps().back().before, false);
+    const AppliedStep& former = history.undo();
+    model_.show(former.vertices, former.before, false);
+    path = std::move(adjusting.path);
   }
   EditResult pose = model_.with_others(region->mesh_vertex, solved_.positions);
-  const AppliedStep& applied = adjusting.is_new
-                                   ? history.apply(adjusting.step, std::move(pose.vertices), std::move(pose.positions))
-                                   : history.adjust(adjusting.step, std::move(pose.vertices), std::move(pose.positions),
-                                                    std::move(adjusting.path));
+  const AppliedStep& applied =
+      history.apply(adjusting.step, std::move(pose.vertices), std::move(pose.positions), std::move(path));
   if (adjusting.is_new) {
     model_.timeline.add({messages::saved_step(adjusting.step, {}), true, model_.selection});
   }

@@ -492,11 +492,11 @@ TEST(DragMirror, OtherSideIsShownUnderTheCursor) {
   const HoverPreview& seen = *window.hovered(window.at(right));
   ASSERT_TRUE(seen.mirrored_point);
   EXPECT_EQ(*seen.mirrored_point, Vector3(20, 30, 0));
-  ASSERT_GT(seen.mirrored_region.rows(), 0);
-  const Vector3 middle = seen.mirrored_region.colwise().mean().transpose();
+  ASSERT_GT(seen.mirrored.region.rows(), 0);
+  const Vector3 middle = seen.mirrored.region.colwise().mean().transpose();
   EXPECT_LT((middle - Vector3(20, 30, 0)).norm(), 0.5);
-  EXPECT_NEAR((seen.mirrored_region.rowwise() - middle.transpose()).rowwise().norm().maxCoeff(), 6, 0.5);
-  EXPECT_GT(seen.mirrored_disc.rows(), 0);
+  EXPECT_NEAR((seen.mirrored.region.rowwise() - middle.transpose()).rowwise().norm().maxCoeff(), 6, 0.5);
+  EXPECT_GT(seen.mirrored.disc.rows(), 0);
 }
 
 TEST(DragMirror, AsymmetricMeshIsSaid) {

@@ -96,7 +96,7 @@ TEST(DragDetail, APaintedRegionNeedsNoHandle) {
       painted.push_back(v);
     }
   }
-  window.session.set_region(painted);
+  window.session.set_painted(BrushTarget::Region, painted);
   window.session.wait();
   set_detail(window, 0.5);
   set_detail(window, 0);

@@ -450,9 +450,9 @@ TEST(DragSteps, LoadedFitIsAStepAmongOthers) {
 TEST(DragSteps, AreSavedAndPaintedVerticesStayAfterOtherCodeChangedTheMesh) {
   Window before(plate());
   before.click(kMiddle);
-  before.session.set_region(before.region());
+  before.session.set_painted(BrushTarget::Region, before.region());
   before.session.wait();
-  before.session.set_anchors({at(26, 30), at(2, 2)});
+  before.session.set_painted(BrushTarget::Anchors, {at(26, 30), at(2, 2)});
   before.session.wait();
   before.change([](DragSettings& s) { s.radius = 3; });
   before.drag(kMiddle, Vector2(10, 5));

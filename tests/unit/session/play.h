@@ -140,7 +140,7 @@ class Play {
     for (int v = is(0, "none") ? 1 : vertex(0); v <= (is(0, "none") ? 0 : vertex(1)); ++v) {
       if (v % 60 >= vertex(0) % 60 && v % 60 <= vertex(1) % 60) block.push_back(v);
     }
-    window.session.set_region(block);
+    window.session.set_painted(BrushTarget::Region, block);
   }
 
   void move_last() {
@@ -224,8 +224,8 @@ class Play {
     if (on("finish")) return expect(s.finish(std::chrono::seconds(times)));
     if (on("reload")) return s.load(s.recorded());
     if (on("whole")) return s.whole_component(), s.wait();
-    if (on("handle")) return s.set_handle(named()), s.wait();
-    if (on("anchors")) return s.set_anchors(named()), s.wait();
+    if (on("handle")) return s.set_painted(BrushTarget::Handle, named()), s.wait();
+    if (on("anchors")) return s.set_painted(BrushTarget::Anchors, named()), s.wait();
     if (on("region")) return take_block(), s.wait();
     if (on("last")) return move_last(), s.wait();
     // Checks.
