@@ -28,7 +28,7 @@ DragSession::State DragSession::state() const {
 }
 
 int DragSession::group_of_image(int group) const {
-  return model_.tools.mirrored ? model_.tools.mirrored->source()[static_cast<std::size_t>(group)] : group;
+  return model_.tools.mirrored ? model_.tools.mirrored->source()[group] : group;
 }
 
 const DragMotion* DragSession::motion() const {

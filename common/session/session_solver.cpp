@@ -207,7 +207,7 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
 
 void SessionSolver::bend(int point) {
   Dragging& drag = std::get<Dragging>(phase_);
-  const HandleCurve& curve = model_.selection.discs.curves[static_cast<std::size_t>(model_.selection.active)];
+  const HandleCurve& curve = model_.selection.discs.curves[model_.selection.active];
   drag.bend = bend_weights(model_.mesh(), model_.active_group(), curve, point);
   drag.mirrored_bend.assign(drag.bend.size(), 0);
   const std::optional<MirrorPlane>& plane = model_.tools.mirror;
@@ -312,7 +312,7 @@ std::optional<LastStep> SessionSolver::last_step() const {
   if (path.moved.empty()) {
     return std::nullopt;
   }
-  const HandleGroup& handle = path.whole[static_cast<std::size_t>(path.moved.back())];
+  const HandleGroup& handle = path.whole[path.moved.back()];
   if (handle.transform.matrix) {
     return std::nullopt;
   }
@@ -371,12 +371,12 @@ void SessionSolver::adjust_path(const HandleTransform& motion, double fraction, 
   if (moved.size() > 1 && !whole.center && (whole.degrees != 0 || whole.scale != 1)) {
     std::vector<int> vertices;
     for (const int g : moved) {
-      vertices = united(vertices, adjusting.path.whole[static_cast<std::size_t>(g)].vertices);
+      vertices = united(vertices, adjusting.path.whole[g].vertices);
     }
     whole.center = centroid(adjusting.base->vertices, vertices);
   }
   for (const int g : moved) {
-    HandleGroup& handle = adjusting.path.whole[static_cast<std::size_t>(g)];
+    HandleGroup& handle = adjusting.path.whole[g];
     if (handle.targets.empty()) {
       handle.transform = whole;
     }
