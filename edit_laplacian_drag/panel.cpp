@@ -148,10 +148,14 @@ void Panel::showFigures(const DragSession& session) {
   region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
                        .arg(count(figures.handle), count(figures.free), count(figures.anchors), count(figures.fixed))
                        .arg(figures.steps));
-  const auto stretch = figures.largest_stretch ? std::optional(100 * *figures.largest_stretch) : std::nullopt;
+  const auto figure = [&](double EditReport::*value, double factor) {
+    return figures.report ? std::optional(factor * *figures.report.*value) : std::nullopt;
+  };
+  const std::string advice = figures.advice();
   quality_->setText(tr("Handle %1 from its target; largest stretch %2 %")
-                        .arg(text(figures.handle_error, 'g', 3), text(stretch, 'f', 0)) +
-                    (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
+                        .arg(text(figure(&EditReport::handle_residual, 1), 'g', 3),
+                             text(figure(&EditReport::stretch_max, 100), 'f', 0)) +
+                    (advice.empty() ? QString() : "\n" + QString::fromStdString(advice)));
 }
 
 Colours Panel::colours() const {

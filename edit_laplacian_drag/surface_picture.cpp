@@ -302,11 +302,11 @@ void SurfacePicture::drawHeat(const DragSession& session) {
 
 /// Draws folded triangles, also through the surface.
 void SurfacePicture::drawFolds(const DragSession& session) {
+  const auto report = session.figures().report;
   std::vector<unsigned> folds;
-  for (const auto& fold : session.figures().folds) {
-    const unsigned corners[] = {number(session.shown().region().get(), fold[0]),
-                                number(session.shown().region().get(), fold[1]),
-                                number(session.shown().region().get(), fold[2])};
+  for (const auto& fold : report ? report->causes.folds : std::vector<std::array<int, 3>>()) {
+    const Region* const region = session.shown().region().get();
+    const unsigned corners[] = {number(region, fold[0]), number(region, fold[1]), number(region, fold[2])};
     if (std::find(corners, corners + 3, kNone) == corners + 3) {
       folds.insert(folds.end(), corners, corners + 3);
     }

@@ -226,10 +226,11 @@ bool LaplacianDragTool::isCovered() {
 /// Colours the stretch, marks folds and turns the view to them, or to the handle.
 void LaplacianDragTool::showWarning() {
   const DragSession& session = active_->session();
-  const DragFigures figures = session.figures();
   std::vector<int> vertices;
-  for (const auto& fold : figures.folds) {
-    vertices.insert(vertices.end(), fold.begin(), fold.end());
+  if (const auto report = session.figures().report) {
+    for (const auto& fold : report->causes.folds) {
+      vertices.insert(vertices.end(), fold.begin(), fold.end());
+    }
   }
   const auto layer = usableLayer();
   if (layer && !vertices.empty()) {

@@ -154,7 +154,6 @@ class DragSession {
 
   /// Handles a key; kKeyHelp describes them. @return whether the key has a meaning now
   bool key(DragKey key, const Cursor& cursor = {});
-  void apply();   ///< applies the drag in progress
   void cancel();  ///< cancels the drag in progress; no bit of the mesh has changed
 
   // Region -----------------------------------------------------------------------------------------------------------
@@ -204,6 +203,11 @@ class DragSession {
   void wait();
 
  private:
+  /// What a change of settings affects: the last step, a step that changes the detail, region and discs, the discs, or
+  /// the preparation alone.
+  enum class Effect { Nothing, LastStep, Detail, Radius, Discs, Options };
+
+  Effect effect_of_settings(const DragSettings& before, bool passing) const;
   bool settle_down();
   void set_mirror(const std::optional<MirrorPlane>& plane);
   std::string next_click() const;

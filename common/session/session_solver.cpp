@@ -281,9 +281,8 @@ void SessionSolver::release() {
 }
 
 void SessionSolver::discard() {
-  figures_.solve_ms = figures_.handle_error = figures_.largest_stretch = std::nullopt;
-  figures_.advice.clear();
-  figures_.folds.clear();
+  figures_.solve_ms = std::nullopt;
+  figures_.report = nullptr;
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Adjusting>();  // the worker has prepared another region than the selection's
   if (const Adjusting* const adjusting = in<Adjusting>(); adjusting && adjusting->region) {
@@ -451,7 +450,7 @@ void SessionSolver::commit_drag() {
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
                                     model_.shown.region()->size(), figures_.prepare_ms.value_or(0),
                                     figures_.solve_ms.value_or(0)) +
-             (figures_.advice.empty() ? "" : "; " + figures_.advice));
+             (figures_.advice().empty() ? "" : "; " + figures_.advice()));
   progress();
 }
 
@@ -602,10 +601,7 @@ SessionSolver::Response SessionSolver::poll() {
     figures_.prepare_ms = update.prepare_ms;
   }
   if (update.report) {
-    figures_.handle_error = update.report->handle_residual;
-    figures_.largest_stretch = update.report->stretch_max;
-    figures_.advice = update.report->advice();
-    figures_.folds = update.report->causes.folds;
+    figures_.report = update.report;
   }
   if (update.pose) {
     step_done = take_pose();

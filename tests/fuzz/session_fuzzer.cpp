@@ -126,7 +126,7 @@ struct Player {
         choose.flag() ? void(session().key(DragKey::NextGroup)) : session().clear();
         break;
       case 10:
-        choose.flag() ? session().apply() : session().cancel();
+        choose.flag() ? void(session().key(DragKey::Apply)) : session().cancel();
         break;
       case 11:
         choose.flag() ? session().undo() : session().redo();

@@ -29,8 +29,7 @@ TriangleMesh creature(int levels, bool with_eye = false, double size = 1) {
 
 /// The settings of a newcomer.
 void as_found(Window& window) {
-  DragSettings settings = settings_for(window.session.original());
-  window.session.set_settings(settings);
+  window.session.set_settings(settings_for(window.session.original()));
 }
 
 struct Given {
@@ -198,7 +197,7 @@ TEST_P(DragFeatures, WideStretchIsWarnedOfUntilItIsUndone) {
       << window.session.warning();
   window.undo();
   EXPECT_TRUE(window.session.warning().empty());
-  EXPECT_TRUE(window.session.figures().folds.empty());
+  EXPECT_FALSE(window.session.figures().report);
 }
 
 TEST_P(DragFeatures, FoldedTrianglesAreListed) {
@@ -210,11 +209,12 @@ TEST_P(DragFeatures, FoldedTrianglesAreListed) {
   });
   const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
   window.drag(pole, Vector2(250, 0));
-  const DragFigures figures = window.session.figures();
-  ASSERT_FALSE(figures.folds.empty()) << window.session.warning();
-  const std::string count = std::to_string(figures.folds.size()) + " triangle";
+  ASSERT_TRUE(window.session.figures().report);
+  const auto folds = window.session.figures().report->causes.folds;
+  ASSERT_FALSE(folds.empty()) << window.session.warning();
+  const std::string count = std::to_string(folds.size()) + " triangle";
   EXPECT_EQ(window.session.warning().find(count), 0U) << window.session.warning();
-  for (const auto& fold : figures.folds) {
+  for (const auto& fold : folds) {
     for (const int v : fold) {
       EXPECT_TRUE(contains(window.region(), v));
     }
