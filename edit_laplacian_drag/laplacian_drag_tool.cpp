@@ -119,7 +119,7 @@ bool LaplacianDragTool::begin() {
     return showNothing(tr("MeshLab is reading a mesh."));  // the first picture of it starts the session
   }
   LayerSession* known = shared_->find(layer->id);
-  const bool resume = known != nullptr && known->matches(*layer->mesh);
+  const bool resume = known != nullptr && known->writer().matches(*layer->mesh);
   if (resume && !known->inHistory.isEmpty()) {
     known->historyPosition = window_.removeFromHistory(known->inHistory);
   }
@@ -129,7 +129,7 @@ bool LaplacianDragTool::begin() {
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
     if (resume) {
-      active_->resume(*layer->mesh);
+      active_->writer().keep_normals(*layer->mesh);
     }
     active_->leftBy = nullptr;
   } catch (const EditError& error) {
@@ -163,7 +163,8 @@ bool LaplacianDragTool::showNothing(const QString& reason) {
 /// Returns whether the current layer is no longer the one that begin() read, as after an import or *Reload*. O(1).
 bool LaplacianDragTool::isStale() {
   const auto layer = on_ && !window_.loading() ? window_.currentLayer() : std::nullopt;
-  return layer && (active_ ? layer->id == layer_ && !active_->seemsToMatch(*layer->mesh) : sizeOf(*layer) != refused_);
+  return layer && (active_ ? layer->id == layer_ && !active_->writer().seems_to_match(*layer->mesh)
+                           : sizeOf(*layer) != refused_);
 }
 
 /// Ends the use of the layer, which may be deleted.
@@ -265,7 +266,7 @@ void LaplacianDragTool::finishLeft(LayerSession& session, int layer, bool now) {
       shared_->pollSoon();  // a filter may be reading the mesh
       return;
     }
-    const bool isSame = mesh && session.matches(*mesh);
+    const bool isSame = mesh && session.writer().matches(*mesh);
     const auto isSolving = [&] { return session.session().state() == DragSession::State::Settling; };
     if (isSame) {
       session.session().poll();

@@ -10,7 +10,6 @@
 #include <QComboBox>
 #include <QFormLayout>
 #include <QKeyEvent>
-#include <QLabel>
 #include <QLineEdit>
 #include <QLocale>
 #include <QProgressBar>
@@ -340,12 +339,4 @@ QPushButton* Panel::button(const char* part, const QString& text, const QString&
   connect(made, &QPushButton::clicked, this, [this, name = QString(part), key] { emit command(name, key); });
   buttons_[part] = made;
   return made;
-}
-
-QLabel* Panel::figure(const char* part, const QString& help) {
-  auto* label = new QLabel;
-  label->setObjectName(nameOf(part));
-  label->setToolTip(help);
-  label->setWordWrap(true);
-  return label;
 }

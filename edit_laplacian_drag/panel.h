@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QDockWidget>
+#include <QLabel>
 #include <QPointer>
 #include <QString>
 #include <functional>
@@ -17,7 +18,6 @@ class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
 class QFormLayout;
-class QLabel;
 class QLineEdit;
 class QListWidget;
 class QProgressBar;
@@ -107,7 +107,6 @@ class Panel : public QDockWidget {
   QComboBox* choice(const char* part, const QStringList& choices, const QString& help, const Access& access);
   QPushButton* button(const char* part, const QString& text, const QString& help,
                       std::optional<lapedit::DragKey> key = {});
-  QLabel* figure(const char* part, const QString& help);
   /// Connects the widget: input changes the session, and show() displays its value.
   template <class Widget, class Value>
   void follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value));
@@ -135,6 +134,6 @@ class Panel : public QDockWidget {
   } history_;
   QComboBox* colours_;
   QProgressBar* progress_;
-  QLabel *region_, *quality_;
+  QLabel *region_ = new QLabel, *quality_ = new QLabel;
   std::map<QString, QPushButton*> buttons_;
 };

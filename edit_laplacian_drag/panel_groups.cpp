@@ -2,7 +2,6 @@
 #include <QCheckBox>
 #include <QComboBox>
 #include <QFormLayout>
-#include <QLabel>
 #include <QLineEdit>
 #include <QListWidget>
 #include <QProgressBar>
@@ -14,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -387,10 +387,15 @@ void Panel::addView() {
   colours_->addItems({tr("Region"), tr("Region, not in a drag"), tr("Stretch"), tr("None")});
   connect(colours_, QOverload<int>::of(&QComboBox::activated), this, [this] { change([](DragSession&) {}); });
   row(tr("Colours"), colours_);
-  region_ = figure("region", tr("Vertices of the region by class, and of the mesh outside it"));
-  quality_ = figure("quality", tr("Of the last pose: how far the handle is from its target, the most stretched edge, "
-                                  "and where it folded"));
-  for (QLabel* label : {region_, quality_}) {
+  const std::tuple<QLabel*, const char*, QString> figures[] = {
+      {region_, "region", tr("Vertices of the region by class, and of the mesh outside it")},
+      {quality_, "quality",
+       tr("Of the last pose: how far the handle is from its target, the most stretched edge, and "
+          "where it folded")}};
+  for (const auto& [label, part, help] : figures) {
+    label->setObjectName(nameOf(part));
+    label->setToolTip(help);
+    label->setWordWrap(true);
     form_->addRow(label);
   }
 }

@@ -244,8 +244,15 @@ void SurfacePicture::draw(const DragSession& session, const Options& options) {
   for (std::size_t g = 0; g < groups; ++g) {
     drawGroup(session, g, options);
   }
-  drawMarked(patches_[groups], {pen::kLight, 0.35, 0.6, pen::kGrey}, options.pixelRatio);
-  drawMarked(patches_.back(), {pen::kAnchor, session.motion() ? 0.35 : 0.6, 0.35, pen::kAnchor}, options.pixelRatio);
+  const auto marked = [&](const Patch& patch, const pen::Color& color, double alpha, double hatchAlpha,
+                          const pen::Color& outline) {
+    faces(patch.faces, color, alpha, pen::kDark, hatchAlpha);
+    pen::set(outline);
+    pen::chains(patch.border, 1.5 * options.pixelRatio);
+    points(patch.loose, outline, 4 * options.pixelRatio, 1);
+  };
+  marked(patches_[groups], pen::kLight, 0.35, 0.6, pen::kGrey);  // not connected
+  marked(patches_.back(), pen::kAnchor, session.motion() ? 0.35 : 0.6, 0.35, pen::kAnchor);
   glDepthRange(0, 1);
   glDisableClientState(GL_VERTEX_ARRAY);
 }
@@ -378,12 +385,4 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
     glEnable(GL_DEPTH_TEST);
     glPopMatrix();
   }
-}
-
-/// Draws vertices that are in no group, hatched.
-void SurfacePicture::drawMarked(const Patch& patch, const Mark& mark, double pixelRatio) {
-  faces(patch.faces, mark.tint, mark.alpha, pen::kDark, mark.hatch);
-  pen::set(mark.outline);
-  pen::chains(patch.border, 1.5 * pixelRatio);
-  points(patch.loose, mark.outline, 4 * pixelRatio, 1);
 }
