@@ -211,20 +211,15 @@ TEST(DragBrush, WhatIsNotConnectedIsKeptAndSaid) {
 // --- Nothing holds --------------------------------------------------------------------------------------------------
 
 TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
-  Window window(shapes::icosphere(3));
-  window.change([](DragSettings& s) { s.radius = 100; });
+  const TriangleMesh ball = shapes::icosphere(3);
   int top = 0;
-  window.session.mesh().vertices.col(2).maxCoeff(&top);
-  window.click(top);
-  EXPECT_TRUE(window.says("Nothing holds this piece of 642 vertices")) << window.session.message();
-  window.change([](DragSettings& s) { s.radius = 0.8; });
-  EXPECT_FALSE(window.says("Nothing holds"));
-  // A second group holds it.
-  window.change([](DragSettings& s) { s.radius = 100; });
-  window.session.key(DragKey::NextGroup);
-  window.click(window.session.adjacency().neighbours[top].first[0]);
-  EXPECT_EQ(window.session.selection().groups.size(), 2U);
-  EXPECT_FALSE(window.says("Nothing holds"));
+  ball.vertices.col(2).maxCoeff(&top);
+  const int second = support::adjacency_of(ball).neighbours[top].first[0];
+  play("set radius 100; click 0," + std::to_string(top) +
+           "; says 'Nothing holds this piece of 642 vertices'; set radius 0.8; silent 'Nothing holds'; set radius 100; "
+           "keys g; click 0," +
+           std::to_string(second) + "; count 2; silent 'Nothing holds'",
+       ball);
 }
 
 // --- Keys -----------------------------------------------------------------------------------------------------------

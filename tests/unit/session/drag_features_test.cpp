@@ -109,9 +109,7 @@ TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
   const auto [levels, size] = GetParam();
   Window window(creature(levels, false, size));
   as_found(window);
-  DragSettings settings = window.session.settings();
-  settings.radius = 0.5 * size;
-  window.session.set_settings(settings);
+  window.change([size = size](DragSettings& s) { s.radius = 0.5 * size; });
   const int tip = support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0));
   window.click(tip);
   EXPECT_EQ(window.session.settings().radius, 0.5 * size);
@@ -119,9 +117,7 @@ TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
   // Other settings do not count as a radius, and those of the beginning start again.
   window.session.clear();
   as_found(window);
-  settings = window.session.settings();
-  settings.padding = 0.2;
-  window.session.set_settings(settings);
+  window.change([](DragSettings& s) { s.padding = 0.2; });
   window.click(tip);
   EXPECT_GT(window.session.settings().radius, 0.9 * size);
 }
@@ -133,16 +129,13 @@ TEST_P(DragFeatures, HandleIsAFractionOfTheRadiusShown) {
   window.click(support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0)));
   const std::vector<std::vector<int>> handle = window.session.selection().groups;
   const std::size_t region = window.region().size();
-  DragSettings settings = window.session.settings();
-  settings.radius *= 1.5;
-  settings.handle_fraction /= 1.5;
-  window.session.set_settings(settings);
-  window.session.wait();
+  window.change([](DragSettings& s) {
+    s.radius *= 1.5;
+    s.handle_fraction /= 1.5;
+  });
   EXPECT_EQ(window.session.selection().groups, handle);
   EXPECT_GT(window.region().size(), region);
-  settings.handle_fraction *= 2;
-  window.session.set_settings(settings);
-  window.session.wait();
+  window.change([](DragSettings& s) { s.handle_fraction *= 2; });
   EXPECT_GT(window.session.selection().groups.at(0).size(), handle.at(0).size());
 }
 
