@@ -101,7 +101,8 @@ void tangentCircle(const HoverPreview& preview, double radius) {
 }
 
 void dot(const Vector3& position, double size, double pixelRatio, double alpha = 0.8) {
-  pen::dots(pen::kYellow, size * pixelRatio, alpha, [&] { pen::shape(GL_POINTS, std::initializer_list{position}); });
+  pen::dots(pen::kYellow, size * pixelRatio, alpha,
+            [&] { pen::shape(GL_POINTS, std::initializer_list<Vector3>{position}); });
 }
 
 /// Draws the mirror image, paler.
