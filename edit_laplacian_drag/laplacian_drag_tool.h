@@ -95,7 +95,7 @@ class LaplacianDragTool : public QObject {
   void command(const QString& part, std::optional<lapedit::DragKey> key);
   void askToSave(const lapedit::host::Layer& layer);
   void askToLoad(const lapedit::host::Layer& layer);
-  void load(const QString& path, int layer);
+  void load(const QString& path, int id);
   void takeKeys();
   LinePicture::Line line(bool usable);
   QVector<QPointF> notToCover() const;
