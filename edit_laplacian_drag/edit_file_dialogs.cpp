@@ -5,7 +5,6 @@
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QSaveFile>
-#include <QXmlStreamWriter>
 
 #include "lapedit/json/edit_script.h"
 
@@ -14,27 +13,18 @@ namespace {
 const char* const kEdits = "Laplacian edits (*.json)";
 const char* const kScripts = "Filter scripts of MeshLab (*.mlx)";
 
-void writeParameter(QXmlStreamWriter& xml, const char* type, const char* name, const QString& value) {
-  xml.writeEmptyElement("Param");
-  xml.writeAttribute("type", type);
-  xml.writeAttribute("name", name);
-  xml.writeAttribute("value", value);
-}
-
 /// Returns the text of a script that replays an edit, given as JSON, with the filter Laplacian Edit Replay.
-QString filterScript(const QByteArray& edit) {
-  QString text;
-  QXmlStreamWriter xml(&text);
-  xml.setAutoFormatting(true);
-  xml.writeDTD("<!DOCTYPE FilterScript>\n");
-  xml.writeStartElement("FilterScript");
-  xml.writeStartElement("filter");
-  xml.writeAttribute("name", "Laplacian Edit Replay");
-  writeParameter(xml, "RichString", "edit", QString::fromUtf8(edit));
-  writeParameter(xml, "RichFloat", "fraction", "1");
-  xml.writeEndElement();
-  xml.writeEndElement();
-  return text + "\n";
+QByteArray filterScript(const QByteArray& edit) {
+  return QString(R"(<!DOCTYPE FilterScript>
+<FilterScript>
+    <filter name="Laplacian Edit Replay">
+        <Param type="RichString" name="edit" value="%1"/>
+        <Param type="RichFloat" name="fraction" value="1"/>
+    </filter>
+</FilterScript>
+)")
+      .arg(QString::fromUtf8(edit).toHtmlEscaped().replace('\n', "&#10;"))
+      .toUtf8();
 }
 
 QFileDialog* newDialog(QWidget* parent, const char* title, const QString& suggested) {
@@ -75,7 +65,7 @@ QFileDialog* loadDialog(QWidget* parent, const QString& suggested) {
 
 std::string saveEdit(const QString& path, const lapedit::Edit& edit) {
   const QByteArray json = QByteArray::fromStdString(lapedit::write_edit(edit));
-  const QByteArray text = path.endsWith(".mlx") ? filterScript(json).toUtf8() : json;
+  const QByteArray text = path.endsWith(".mlx") ? filterScript(json) : json;
   QSaveFile file(path);
   if (!file.open(QIODevice::WriteOnly) || file.write(text) != text.size() || !file.commit()) {
     return QString("The edit could not be written to %1: %2.").arg(path, file.errorString()).toStdString();

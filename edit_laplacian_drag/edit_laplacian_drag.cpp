@@ -8,36 +8,14 @@ using namespace lapedit::host;
 namespace {
 
 /// Passes events of MeshLab's view to the tool. MeshLab never deletes a tool: it is a child of its view.
-class ViewTool final : public LaplacianDragTool, public HostTool {
+class ViewTool final : public HostTool<LaplacianDragTool> {
  public:
-  void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea*) override {
-    guarded([&] { mousePress(*event); });
-  }
-  void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea*) override {
-    guarded([&] { mouseMove(*event); });
-  }
-  void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea*) override {
-    guarded([&] { mouseRelease(*event); });
-  }
-  void wheelEvent(QWheelEvent* event, MeshModel&, GLArea*) override {
-    guarded([&] { wheel(*event); });
-  }
-  void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea*) override {
-    guarded([&] { keyPress(*event); });
-  }
-  void keyReleaseEvent(QKeyEvent* event, MeshModel&, GLArea*) override {
-    guarded([&] { keyRelease(*event); });
-  }
-
- private:
-  bool start(GLArea* area, MLSceneGLSharedDataContext* shared) override {
-    return LaplacianDragTool::start(area, shared);
-  }
-  void end() override { LaplacianDragTool::end(); }
-  void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) override {
-    LaplacianDragTool::changeLayer(area, shared);
-  }
-  void draw() override { LaplacianDragTool::draw(); }
+  void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea*) override { input(*event); }
+  void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea*) override { input(*event); }
+  void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea*) override { input(*event); }
+  void wheelEvent(QWheelEvent* event, MeshModel&, GLArea*) override { input(*event); }
+  void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea*) override { input(*event); }
+  void keyReleaseEvent(QKeyEvent* event, MeshModel&, GLArea*) override { input(*event); }
 };
 
 QAction* newAction() {
@@ -57,6 +35,6 @@ QAction* newAction() {
 
 EditLaplacianDrag::EditLaplacianDrag() : HostToolPlugin(newAction()) {}
 
-HostTool* EditLaplacianDrag::newTool() {
+HostInterface* EditLaplacianDrag::newTool() {
   return new ViewTool;
 }

@@ -12,5 +12,5 @@ class EditLaplacianDrag : public lapedit::host::HostToolPlugin {
   EditLaplacianDrag();
 
  private:
-  lapedit::host::HostTool* newTool() override;
+  lapedit::host::HostInterface* newTool() override;
 };

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
+#include <vector>
 
 #include "lapedit/base/whole_part.h"
 #include "pen.h"
@@ -31,15 +31,11 @@ void arrow(const Picture& p, int axis, bool bright) {
   const Vector2 neck = tip - kHeadLength * std::max(seen, 0.4) * direction;
   const double half = bright ? kHeadWidth + 1.5 : kHeadWidth;
   const pen::Color color = bright ? pen::kYellow : pen::axisColor(axis);
+  const Vector2 head[] = {tip, neck + half * side, neck - half * side};
   pen::rimmed(color, bright ? 4 : 2.5, p.ratio, [&] { pen::line(from, neck); });
   pen::rimmed(color, 1, p.ratio, [&] {
-    for (const GLenum mode : {GL_TRIANGLES, GL_LINE_LOOP}) {
-      glBegin(mode);
-      pen::vertex(tip);
-      pen::vertex(Vector2(neck + half * side));
-      pen::vertex(Vector2(neck - half * side));
-      glEnd();
-    }
+    pen::shape(GL_TRIANGLES, head);
+    pen::shape(GL_LINE_LOOP, head);
   });
 }
 
@@ -87,14 +83,11 @@ void scaleHandle(const Picture& p, bool bright) {
   glLineWidth(static_cast<GLfloat>(p.ratio));
   pen::set(pen::kLight, 0.5);
   pen::line(Vector2(center + Gizmo::kRing / Gizmo::kScale * (at - center)), at);
+  const Vector2 across(half, 0), up(0, half);
+  const Vector2 square[] = {at - across - up, at + across - up, at + across + up, at - across + up};
   pen::rimmed(bright ? pen::kYellow : pen::kLight, 1, p.ratio, [&] {
-    for (const GLenum mode : {GL_QUADS, GL_LINE_LOOP}) {
-      glBegin(mode);
-      for (const Vector2& corner : {Vector2(-1, -1), Vector2(1, -1), Vector2(1, 1), Vector2(-1, 1)}) {
-        pen::vertex(Vector2(at + half * corner));
-      }
-      glEnd();
-    }
+    pen::shape(GL_QUADS, square);
+    pen::shape(GL_LINE_LOOP, square);
   });
 }
 
@@ -103,29 +96,15 @@ void letter(const Picture& p, int axis) {
   if (p.gizmo.axes != Matrix3::Identity()) {
     return;  // not the layer's axes
   }
-  static constexpr double kX[] = {-3, -4, 3, 4, -3, 4, 3, -4}, kY[] = {-3, -4, 0, 0, 3, -4, 0, 0, 0, 0, 0, 4},
-                          kZ[] = {-3, -4, 3, -4, 3, -4, -3, 4, -3, 4, 3, 4};
-  const double* const strokes = axis == 0 ? kX : axis == 1 ? kY : kZ;
-  const int count = axis == 0 ? 4 : 6;
+  const std::vector<Vector2> strokes[] = {{{-3, -4}, {3, 4}, {-3, 4}, {3, -4}},
+                                          {{-3, -4}, {0, 0}, {3, -4}, {0, 0}, {0, 0}, {0, 4}},
+                                          {{-3, -4}, {3, -4}, {3, -4}, {-3, 4}, {-3, 4}, {3, 4}}};
   const Vector2 center = p.view.pixel(p.gizmo.center), tip = p.view.pixel(p.gizmo.along(axis, Gizmo::kTip));
-  const Vector2 at = tip + 11 * (tip - center).stableNormalized();
-  pen::rimmed(pen::kLight, 1.3, p.ratio, [&] {
-    glBegin(GL_LINES);
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      pen::vertex(Vector2(at + Vector2(strokes[2 * i], strokes[2 * i + 1])));
-    }
-    glEnd();
-  });
-}
-
-/// Draws the pivot.
-void cross(const Picture& p) {
-  const Vector2 at = p.view.pixel(p.gizmo.center);
-  pen::rimmed(pen::kLight, 1.3, p.ratio, [&] {
-    for (const Vector2& direction : {Vector2(kCross, 0), Vector2(0, kCross)}) {
-      pen::line(Vector2(at - direction), Vector2(at + direction));
-    }
-  });
+  std::vector<Vector2> ends = strokes[axis];
+  for (Vector2& end : ends) {
+    end += tip + 11 * (tip - center).stableNormalized();
+  }
+  pen::rimmed(pen::kLight, 1.3, p.ratio, [&] { pen::shape(GL_LINES, ends); });
 }
 
 }  // namespace
@@ -158,7 +137,7 @@ void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement element, boo
   if (alone ? element == GizmoElement::Scale : !gizmo.only_arrows) {
     scaleHandle(p, element == GizmoElement::Scale);
   }
-  cross(p);
+  pen::rimmed(pen::kLight, 1.3, pixelRatio, [&] { pen::cross(view.pixel(gizmo.center), kCross); });  // the pivot
 }
 
 void drawTurn(const DragMotion& motion, const Camera& view, double pixelRatio) {

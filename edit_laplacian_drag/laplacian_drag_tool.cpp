@@ -6,7 +6,6 @@
 #include <QTimer>
 #include <QToolTip>
 #include <chrono>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -30,11 +29,7 @@ constexpr std::chrono::milliseconds kLongestFinish{50};
 
 }  // namespace
 
-LaplacianDragTool::LaplacianDragTool()
-    : others_([this] {
-        QMetaObject::invokeMethod(
-            this, [this] { poll(); }, Qt::QueuedConnection);
-      }) {}
+LaplacianDragTool::LaplacianDragTool() : others_([this] { later([this] { poll(); }); }) {}
 
 LaplacianDragTool::~LaplacianDragTool() {
   if (shared_) {
@@ -52,6 +47,11 @@ void LaplacianDragTool::guarded(const std::function<void()>& call) {
   } catch (const std::exception& error) {
     say(error.what());
   }
+}
+
+void LaplacianDragTool::later(const std::function<void()>& call) {
+  QMetaObject::invokeMethod(
+      this, [this, call] { guarded(call); }, Qt::QueuedConnection);
 }
 
 void LaplacianDragTool::say(const std::string& line) {
@@ -119,7 +119,7 @@ bool LaplacianDragTool::begin() {
     return showNothing(tr("MeshLab is reading a mesh."));  // the first picture of it starts the session
   }
   LayerSession* known = shared_->find(layer->id);
-  const bool resume = known != nullptr && known->matches(*layer->mesh);
+  const bool resume = known != nullptr && known->writer().matches(*layer->mesh);
   if (resume && !known->inHistory.isEmpty()) {
     known->historyPosition = window_.removeFromHistory(known->inHistory);
   }
@@ -129,7 +129,7 @@ bool LaplacianDragTool::begin() {
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
     if (resume) {
-      active_->resume(*layer->mesh);
+      active_->writer().keep_normals(*layer->mesh);
     }
     active_->leftBy = nullptr;
   } catch (const EditError& error) {
@@ -163,7 +163,8 @@ bool LaplacianDragTool::showNothing(const QString& reason) {
 /// Returns whether the current layer is no longer the one that begin() read, as after an import or *Reload*. O(1).
 bool LaplacianDragTool::isStale() {
   const auto layer = on_ && !window_.loading() ? window_.currentLayer() : std::nullopt;
-  return layer && (active_ ? layer->id == layer_ && !active_->seemsToMatch(*layer->mesh) : sizeOf(*layer) != refused_);
+  return layer && (active_ ? layer->id == layer_ && !active_->writer().seems_to_match(*layer->mesh)
+                           : sizeOf(*layer) != refused_);
 }
 
 /// Ends the use of the layer, which may be deleted.
@@ -265,7 +266,7 @@ void LaplacianDragTool::finishLeft(LayerSession& session, int layer, bool now) {
       shared_->pollSoon();  // a filter may be reading the mesh
       return;
     }
-    const bool isSame = mesh && session.matches(*mesh);
+    const bool isSame = mesh && session.writer().matches(*mesh);
     const auto isSolving = [&] { return session.session().state() == DragSession::State::Settling; };
     if (isSame) {
       session.session().poll();
@@ -317,7 +318,8 @@ void LaplacianDragTool::openPanel() {
       }
     });
   });
-  connect(&panel, &Panel::command, this, [this](const QString& part) { guarded([&] { command(part); }); });
+  connect(&panel, &Panel::command, this,
+          [this](const QString& part, std::optional<DragKey> key) { guarded([&] { command(part, key); }); });
   connect(&panel, &Panel::closed, this, [this] { window_.endTool(); });
   shared_->showPanel();
   window_.viewport().removeEventFilter(this);
@@ -384,8 +386,8 @@ void LaplacianDragTool::refreshPanel() {
 
 // --- The panel's buttons --------------------------------------------------------------------------------------------
 
-void LaplacianDragTool::command(const QString& part) {
-  if (part == "help") {
+void LaplacianDragTool::command(const QString& part, std::optional<DragKey> key) {
+  if (key == DragKey::Help) {
     shown_.keys = !shown_.keys;
     window_.repaint();
   }
@@ -395,35 +397,21 @@ void LaplacianDragTool::command(const QString& part) {
   }
   notice_.clear();
   DragSession& session = active_->session();
-  const std::map<QString, std::function<void()>> commands = {
-      {"from_selection",
-       [&] {
-         std::vector<int> selected = active_->selected(*layer->mesh);
-         const BrushTarget target = session.tools().paint.value_or(BrushTarget::Region);
-         target == BrushTarget::Region   ? session.set_region(std::move(selected))
-         : target == BrushTarget::Handle ? session.set_handle(std::move(selected))
-                                         : session.set_anchors(std::move(selected));
-       }},
-      {"invert", [&] { session.change_painted(PaintChange::Invert); }},
-      {"blur", [&] { session.change_painted(PaintChange::Blur); }},
-      {"component", [&] { session.whole_component(); }},
-      {"grow", [&] { session.key(DragKey::Grow); }},
-      {"shrink", [&] { session.key(DragKey::Shrink); }},
-      {"clear", [&] { session.tools().paint ? session.change_painted(PaintChange::Clear) : session.clear(); }},
-      {"move", [&] { session.key(DragKey::Translate, cursor()); }},
-      {"rotate", [&] { session.key(DragKey::Rotate, cursor()); }},
-      {"scale", [&] { session.key(DragKey::Scale, cursor()); }},
-      {"apply", [&] { session.apply(); }},
-      {"cancel", [&] { session.cancel(); }},
-      {"undo", [&] { session.undo(); }},
-      {"redo", [&] { session.redo(); }},
-      {"reset", [&] { session.go_to(0); }},
-      {"save", [&] { askToSave(*layer); }},
-      {"load", [&] { askToLoad(*layer); }},
-  };
-  const auto found = commands.find(part);
-  if (found != commands.end()) {
-    found->second();
+  const std::optional<BrushTarget> paint = session.tools().paint;
+  if (key) {
+    session.key(*key, cursor());
+  } else if (part == "from_selection") {
+    session.set_painted(paint.value_or(BrushTarget::Region), active_->selected(*layer->mesh));
+  } else if (part == "invert" || part == "blur") {
+    session.change_painted(part == "blur" ? PaintChange::Blur : PaintChange::Invert);
+  } else if (part == "component") {
+    session.whole_component();
+  } else if (part == "clear") {
+    paint ? session.change_painted(PaintChange::Clear) : session.clear();
+  } else if (part == "reset") {
+    session.go_to(0);
+  } else {
+    part == "save" ? askToSave(*layer) : askToLoad(*layer);
   }
   takeKeys();
   afterEvent();

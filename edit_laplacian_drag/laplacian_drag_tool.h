@@ -46,23 +46,26 @@ class LaplacianDragTool : public QObject {
   bool eventFilter(QObject* object, QEvent* event) override;
 
  protected:
-  // Events of MeshLab's view, see edit_laplacian_drag.cpp. Those of mouse and keys may throw.
+  // Events of MeshLab's view.
   bool start(GLArea* area, MLSceneGLSharedDataContext* shared);
   void end();
   void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared);
   void draw();
-  void mousePress(QMouseEvent& event);  ///< also the second press of a double click
-  void mouseMove(QMouseEvent& event);
-  void mouseRelease(QMouseEvent& event);
-  void wheel(QWheelEvent& event);
-  void keyPress(QKeyEvent& event);
-  void keyRelease(QKeyEvent& event);
-  void guarded(const std::function<void()>& call);  ///< reports exceptions, which would end MeshLab
+  /// Handles an event of mouse or keys, which MeshLab or eventFilter() passes.
+  void input(QEvent& event);
 
  private slots:
   void layersChanged();
 
  private:
+  void guarded(const std::function<void()>& call);  ///< reports exceptions, which would end MeshLab
+  void later(const std::function<void()>& call);    ///< calls it after the current event, on any thread
+  void mousePress(const QMouseEvent& event);        ///< also the second press of a double click
+  void mouseMove(const QMouseEvent& event);
+  void mouseRelease(const QMouseEvent& event);
+  void navigate(const QMouseEvent& event);
+  void wheel(QWheelEvent& event);
+  void keyEvent(QKeyEvent& event);
   bool begin();
   void leave();
   void drawAll();
@@ -78,7 +81,6 @@ class LaplacianDragTool : public QObject {
   lapedit::Cursor cursor() const;
   lapedit::PressModifiers pressModifiers() const;
   void hover();
-  bool takeModifiers(const QKeyEvent& event);
   void modifiersChanged(bool control);
   void cancelMotion();
   bool handle(QEvent& event);
@@ -90,10 +92,10 @@ class LaplacianDragTool : public QObject {
   void refreshPanel();
   bool poseIsComing() const;
   void framePainted();
-  void command(const QString& part);
+  void command(const QString& part, std::optional<lapedit::DragKey> key);
   void askToSave(const lapedit::host::Layer& layer);
   void askToLoad(const lapedit::host::Layer& layer);
-  void load(const QString& path, int layer);
+  void load(const QString& path, int id);
   void takeKeys();
   LinePicture::Line line(bool usable);
   QVector<QPointF> notToCover() const;

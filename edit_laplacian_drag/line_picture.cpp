@@ -80,27 +80,23 @@ QImage pictureOf(const LinePicture::Line& line, int widest, int highest, double 
 
 QImage pictureOfKeys(double pixelRatio) {
   constexpr int kWidth = 620, kNames = 130;
-  struct Row {
-    const char* name;
-    const char* does;
-  };
-  std::vector<Row> rows = {{"press and drag", "Moves the handle, or takes a new one with the region around it."},
-                           {"click", "Takes a handle and shows its region; on a handle: shows arrows and rings."},
-                           {"Ctrl+drag, Shift+drag", "Paints more, paints less of what the brush paints."},
-                           {"wheel, Shift+wheel", "Radius of the region; size of the handle."},
-                           {"right, middle button", "Turns, moves the view; Ctrl+wheel zooms."}};
+  std::vector<std::pair<const char*, const char*>> rows = {
+      {"press and drag", "Moves the handle, or takes a new one with the region around it."},
+      {"click", "Takes a handle and shows its region; on a handle: shows arrows and rings."},
+      {"Ctrl+drag, Shift+drag", "Paints more, paints less of what the brush paints."},
+      {"wheel, Shift+wheel", "Radius of the region; size of the handle."},
+      {"right, middle button", "Turns, moves the view; Ctrl+wheel zooms."}};
   for (const KeyHelp& help : kKeyHelp) {
-    rows.push_back({help.name, help.does});
+    rows.emplace_back(help.name, help.does);
   }
   const QFontMetrics metrics(fontOf(kFontPixels - 1));
-  const auto height = [&](const Row& row) {
-    return metrics.boundingRect(QRect(0, 0, kWidth - kNames - 2 * kPadding, 1000), Qt::TextWordWrap, row.does)
-               .height() +
-           2;
+  const QRect width(0, 0, kWidth - kNames - 2 * kPadding, 1000);
+  const auto height = [&](const char* text) {
+    return metrics.boundingRect(width, Qt::TextWordWrap, text).height() + 2;
   };
   int total = 2 * kPadding;
-  for (const Row& row : rows) {
-    total += height(row);
+  for (const auto& [name, does] : rows) {
+    total += height(does);
   }
   const QSize size(kWidth, total);
   QImage image = blank(size, pixelRatio);
@@ -108,12 +104,12 @@ QImage pictureOfKeys(double pixelRatio) {
   background(painter, size, QColor(18, 18, 22, 225));
   painter.setFont(fontOf(kFontPixels - 1));
   int y = kPadding;
-  for (const Row& row : rows) {
+  for (const auto& [name, does] : rows) {
     painter.setPen(colorOf(pen::kYellow));
-    painter.drawText(kPadding, y, kNames, 1000, Qt::AlignLeft, row.name);
+    painter.drawText(kPadding, y, kNames, 1000, Qt::AlignLeft, name);
     painter.setPen(Qt::white);
-    painter.drawText(QRect(kPadding + kNames, y, kWidth - kNames - 2 * kPadding, 1000), Qt::TextWordWrap, row.does);
-    y += height(row);
+    painter.drawText(width.translated(kPadding + kNames, y), Qt::TextWordWrap, does);
+    y += height(does);
   }
   return image;
 }

@@ -2,9 +2,10 @@
 #include "overlay.h"
 
 #include <algorithm>
+#include <cmath>
+#include <initializer_list>
 
 #include "gizmo_picture.h"
-#include "hover_picture.h"
 #include "pen.h"
 
 using namespace lapedit;
@@ -51,23 +52,16 @@ void drawPivot(const DragSession& session, const Camera& view, double pixelRatio
       session.motion()) {
     return;
   }
-  const Vector2 center = view.pixel(session.pivot_position()), across(9, 0), up(0, 9);
+  const Vector2 center = view.pixel(session.pivot_position());
   pen::rimmed(pen::kOrange, 2, pixelRatio, [&] {
     pen::circle(center, 5);
-    pen::line<Vector2>(center - across, center + across);
-    pen::line<Vector2>(center - up, center + up);
+    pen::cross(center, 9);
   });
 }
 
 void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixelRatio) {
   pen::rimmed(color, 1.5, pixelRatio, [&] { pen::circle(brush.center, brush.radius); });
-  pen::rimmed(color, 1.5, pixelRatio, [&] {  // plus if it adds, minus if it removes
-    const Vector2 across(4, 0), up(0, 4);
-    pen::line<Vector2>(brush.center - across, brush.center + across);
-    if (!brush.takes) {
-      pen::line<Vector2>(brush.center - up, brush.center + up);
-    }
-  });
+  pen::rimmed(color, 1.5, pixelRatio, [&] { pen::cross(brush.center, 4, !brush.takes); });
 }
 
 /// Returns the colour of the brush's target.
@@ -81,6 +75,86 @@ pen::Color brushColor(const DragSession& session) {
       break;
   }
   return pen::kFree;
+}
+
+// --- The preview of a press -----------------------------------------------------------------------------------------
+
+constexpr double kAbove = 0.9993;  // end of the depth range of lines, so that they are in front of the surface
+
+void lines(GLenum mode, const Points& ends) {
+  glEnableClientState(GL_VERTEX_ARRAY);
+  glVertexPointer(3, GL_DOUBLE, 0, ends.data());
+  glDrawArrays(mode, 0, static_cast<GLsizei>(ends.rows()));
+  glDisableClientState(GL_VERTEX_ARRAY);
+}
+
+void segments(const Points& ends) {
+  lines(GL_LINES, ends);
+}
+
+/// Draws a circle in the tangent plane, for a radius that is too large to follow along the surface.
+void tangentCircle(const HoverPreview& preview, double radius) {
+  const Vector3 u = preview.normal.unitOrthogonal(), v = preview.normal.cross(u);
+  pen::circle(GL_LINES, 64, [&](double angle) {  // every second side: dashes
+    return Vector3(preview.point + radius * (std::cos(angle) * u + std::sin(angle) * v));
+  });
+}
+
+void dot(const Vector3& position, double size, double pixelRatio, double alpha = 0.8) {
+  pen::dots(pen::kYellow, size * pixelRatio, alpha,
+            [&] { pen::shape(GL_POINTS, std::initializer_list<Vector3>{position}); });
+}
+
+/// Draws the mirror image, paler.
+void drawImage(const HoverPreview& preview, double pixelRatio) {
+  constexpr double kPale = 0.45;
+  pen::rimmed(
+      pen::kLight, 1.2, pixelRatio, [&] { segments(preview.mirrored.region); }, kPale);
+  pen::rimmed(
+      pen::kYellow, 2, pixelRatio, [&] { segments(preview.mirrored.disc); }, kPale);
+  if (preview.disc_radius == 0) {
+    dot(*preview.mirrored_point, 7, pixelRatio, kPale);
+  }
+}
+
+/// Draws outlines of what a press would pick on the surface; SurfacePicture highlights groups.
+void drawHover(const HoverPreview& preview, double pixelRatio) {
+  if (preview.path.rows() > 1) {  // the piece of the curve that a click would add
+    glDepthRange(0, kAbove);
+    pen::rimmed(pen::kYellow, 2, pixelRatio, [&] { lines(GL_LINE_STRIP, preview.path); });
+    glDepthRange(0, 1);
+  }
+  if (preview.curve_point) {
+    dot(*preview.curve_point, 13, pixelRatio);
+  }
+  using Kind = HoverPreview::Kind;
+  if ((preview.kind != Kind::Region && preview.kind != Kind::Handle) || preview.radius == 0) {
+    return;
+  }
+  glDepthRange(0, kAbove);
+  if (preview.mirrored_point) {
+    drawImage(preview, pixelRatio);
+  }
+  const bool flat = !preview.is_whole && !preview.normal.isZero(0);
+  if (preview.kind == Kind::Region) {
+    pen::rimmed(pen::kLight, 1.2, pixelRatio, [&] {
+      segments(preview.region);
+      if (flat) {
+        tangentCircle(preview, preview.radius);
+      }
+    });
+  }
+  if (preview.disc_radius > 0) {
+    pen::rimmed(pen::kYellow, 2, pixelRatio, [&] {
+      segments(preview.disc);
+      if (flat && preview.disc.rows() == 0) {
+        tangentCircle(preview, preview.disc_radius);
+      }
+    });
+  } else {
+    dot(preview.point, 7, pixelRatio);
+  }
+  glDepthRange(0, 1);
 }
 
 }  // namespace
@@ -105,17 +179,10 @@ void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
   }
   const Vector3 corners[] = {center - sides[0] - sides[1], center + sides[0] - sides[1], center + sides[0] + sides[1],
                              center - sides[0] + sides[1]};
-  const auto pane = [&](GLenum mode) {
-    glBegin(mode);
-    for (const Vector3& corner : corners) {
-      pen::vertex(corner);
-    }
-    glEnd();
-  };
   pen::set(pen::kPurple, 0.12);
-  pane(GL_QUADS);
+  pen::shape(GL_QUADS, corners);
   pen::rimmed(
-      pen::kPurple, 1, pixelRatio, [&] { pane(GL_LINE_LOOP); }, 0.6);
+      pen::kPurple, 1, pixelRatio, [&] { pen::shape(GL_LINE_LOOP, corners); }, 0.6);
 }
 
 void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double pixelRatio) {
@@ -162,13 +229,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   if (view.valid()) {
     const pen::InPixels pixels(options.width, options.height);
     if (session.lasso() != nullptr) {
-      pen::rimmed(brushColor(session), 1.5, ratio, [&] {
-        glBegin(GL_LINE_LOOP);
-        for (const Vector2& pixel : *session.lasso()) {
-          pen::vertex(pixel);
-        }
-        glEnd();
-      });
+      pen::rimmed(brushColor(session), 1.5, ratio, [&] { pen::shape(GL_LINE_LOOP, *session.lasso()); });
     } else if (options.brush) {
       drawBrush(*options.brush, brushColor(session), ratio);
     } else {

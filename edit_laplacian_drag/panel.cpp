@@ -2,27 +2,33 @@
 #include "panel.h"
 
 #include <Eigen/Geometry>
+#include <QAbstractItemView>
 #include <QAction>
 #include <QApplication>
+#include <QCheckBox>
 #include <QCloseEvent>
 #include <QComboBox>
+#include <QFormLayout>
 #include <QKeyEvent>
-#include <QLabel>
 #include <QLineEdit>
+#include <QLocale>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QSignalBlocker>
-#include <QSpinBox>
+#include <QSlider>
 #include <QVBoxLayout>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "panel_widgets.h"
 
 using namespace lapedit;
 
 namespace {
+
+constexpr int kFieldWidth = 160;
 
 const char* const kUnknown = "\u2013";
 
@@ -106,25 +112,28 @@ void Panel::show(const DragSession* session) {
 }
 
 void Panel::showCommands(const DragSession& session) {
-  const bool steps = session.figures().steps > 0;
-  const bool moving = session.motion() != nullptr;
-  const bool picked = !session.selection().groups.empty();
-  buttons_["undo"]->setEnabled(session.can_undo());
-  buttons_["redo"]->setEnabled(session.can_redo());
-  buttons_["save"]->setEnabled(session.can_save());
-  buttons_["reset"]->setEnabled(steps);
+  const bool moving = session.motion() != nullptr, picked = !session.selection().groups.empty();
   const bool busy = moving || session.state() == DragSession::State::Settling;
+  const bool region = session.shown().region() != nullptr;
+  const std::pair<const char*, bool> enabled[] = {{"undo", session.can_undo()},
+                                                  {"redo", session.can_redo()},
+                                                  {"reset", session.figures().steps > 0},
+                                                  {"save", session.can_save()},
+                                                  {"move", picked},
+                                                  {"rotate", picked},
+                                                  {"scale", picked},
+                                                  {"component", picked},
+                                                  {"apply", moving},
+                                                  {"grow", region},
+                                                  {"shrink", region}};
+  for (const auto& [part, isEnabled] : enabled) {
+    buttons_[part]->setEnabled(isEnabled);
+  }
   for (const char* part : {"apply", "cancel"}) {
     buttons_[part]->setVisible(busy);
   }
-  buttons_["apply"]->setEnabled(moving);
   for (const char* part : {"move", "rotate", "scale"}) {
     buttons_[part]->setVisible(!busy);
-    buttons_[part]->setEnabled(picked);
-  }
-  buttons_["component"]->setEnabled(picked);
-  for (const char* part : {"grow", "shrink"}) {
-    buttons_[part]->setEnabled(session.shown().region() != nullptr);
   }
 }
 
@@ -138,10 +147,14 @@ void Panel::showFigures(const DragSession& session) {
   region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
                        .arg(count(figures.handle), count(figures.free), count(figures.anchors), count(figures.fixed))
                        .arg(figures.steps));
-  const auto stretch = figures.largest_stretch ? std::optional(100 * *figures.largest_stretch) : std::nullopt;
+  const auto figure = [&](double EditReport::*value, double factor) {
+    return figures.report ? std::optional(factor * *figures.report.*value) : std::nullopt;
+  };
+  const std::string advice = figures.advice();
   quality_->setText(tr("Handle %1 from its target; largest stretch %2 %")
-                        .arg(text(figures.handle_error, 'g', 3), text(stretch, 'f', 0)) +
-                    (figures.advice.empty() ? QString() : "\n" + QString::fromStdString(figures.advice)));
+                        .arg(text(figure(&EditReport::handle_residual, 1), 'g', 3),
+                             text(figure(&EditReport::stretch_max, 100), 'f', 0)) +
+                    (advice.empty() ? QString() : "\n" + QString::fromStdString(advice)));
 }
 
 Colours Panel::colours() const {
@@ -168,10 +181,8 @@ bool Panel::eventFilter(QObject* object, QEvent* event) {
       if (auto* const list = qobject_cast<QComboBox*>(object->property(kListOf).value<QObject*>())) {
         list->hidePopup();
       } else {
-        if (auto* const whole = qobject_cast<QSpinBox*>(object)) {
-          whole->setValue(whole->value());  // discards the text that was typed
-        } else if (auto* const number = qobject_cast<QDoubleSpinBox*>(object)) {
-          number->setValue(number->value());
+        if (auto* const number = qobject_cast<QDoubleSpinBox*>(object)) {
+          number->setValue(number->value());  // discards the text that was typed
         } else if (auto* const line = qobject_cast<QLineEdit*>(object)) {
           line->setText(line->property(kValue).toString());
         }
@@ -186,4 +197,146 @@ bool Panel::eventFilter(QObject* object, QEvent* event) {
 void Panel::closeEvent(QCloseEvent* event) {
   QDockWidget::closeEvent(event);
   emit closed();
+}
+
+// --- Fields, lists, sliders and buttons ------------------------------------------------------------------------------
+
+void Panel::prepare(QWidget& box, const char* part, const QString& help) {
+  box.setObjectName(nameOf(part));
+  box.setToolTip(help);
+  // Only fields for numbers and text take the keyboard from the view.
+  auto* const number = qobject_cast<QAbstractSpinBox*>(&box);
+  auto* const text = qobject_cast<QLineEdit*>(&box);
+  box.setFocusPolicy(number || text ? Qt::ClickFocus : Qt::NoFocus);
+  box.installEventFilter(this);
+  box.setMaximumWidth(kFieldWidth);
+  if (number) {
+    connect(number, &QAbstractSpinBox::editingFinished, this, &Panel::giveKeysBack);
+  } else if (text) {
+    connect(text, &QLineEdit::editingFinished, this, &Panel::giveKeysBack);
+  } else if (auto* const list = qobject_cast<QComboBox*>(&box)) {
+    list->view()->installEventFilter(this);
+    list->view()->setProperty(kListOf, QVariant::fromValue<QObject*>(list));
+  }
+}
+
+void Panel::giveKeysBack() {
+  if (viewport_ && isAncestorOf(QApplication::focusWidget())) {
+    viewport_->setFocus();
+  }
+}
+
+void Panel::change(const Change& change) {
+  if (viewport_) {
+    viewport_->setFocus();  // before the change, since show() does not update a field that has the focus
+  }
+  emit edited(change);
+}
+
+Panel::Access Panel::ofSettings(const std::function<double(const DragSettings&)>& get,
+                                const std::function<void(DragSettings&, double)>& set) {
+  return {[get](const DragSession& session) { return get(session.settings()); },
+          [set](DragSession& session, double value) {
+            DragSettings settings = session.settings();
+            set(settings, value);
+            session.set_settings(settings);
+          }};
+}
+
+template <class Widget, class Value>
+void Panel::follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value)) {
+  connect(box, changed, this, [this, set = access.set](Value value) {
+    change([set, value](DragSession& session) { set(session, value); });
+  });
+  shown_.push_back([box, bring, get = access.get](const DragSession& session) {
+    if (box->hasFocus()) {
+      return;  // the user is typing
+    }
+    const QSignalBlocker blocker(box);
+    (box->*bring)(static_cast<Value>(get(session)));
+  });
+}
+
+QDoubleSpinBox* Panel::number(const char* part, double low, double high, int digits, const QString& help,
+                              const Access& access) {
+  QDoubleSpinBox* const box = prepared<NumberBox>(part, help);
+  box->setLocale(QLocale::c());
+  box->setDecimals(digits);
+  box->setRange(low, high);
+  box->setKeyboardTracking(false);
+  follow(box, access, QOverload<double>::of(&QDoubleSpinBox::valueChanged), &QDoubleSpinBox::setValue);
+  return box;
+}
+
+QDoubleSpinBox* Panel::percent(const char* part, int high, const QString& help, const Access& access) {
+  QDoubleSpinBox* const box = number(part, 0, high, 1, help, access);
+  box->setSuffix(tr(" %"));
+  return box;
+}
+
+QDoubleSpinBox* Panel::length(const char* part, const QString& help, const Access& access) {
+  lengths_.push_back(number(part, 0, kLongest, 4, help, access));
+  return lengths_.back();
+}
+
+QSlider* Panel::slider(const char* part, int high, const QString& help,
+                       const std::function<double(const DragSession&)>& get,
+                       const std::function<void(DragSession&, double, bool)>& set) {
+  auto* const made = prepared<QSlider>(part, help);
+  made->setOrientation(Qt::Horizontal);
+  made->setRange(0, high);
+  const auto go = [this, made, set] {
+    change([set, value = made->value() / 100.0, passing = made->isSliderDown()](DragSession& session) {
+      set(session, value, passing);
+    });
+  };
+  connect(made, &QSlider::valueChanged, this, go);
+  connect(made, &QSlider::sliderReleased, this, go);
+  shown_.push_back([made, get](const DragSession& session) {
+    if (!made->isSliderDown()) {
+      const QSignalBlocker blocker(made);
+      made->setValue(static_cast<int>(std::round(100 * get(session))));
+    }
+  });
+  return made;
+}
+
+QComboBox* Panel::choice(const char* part, const QStringList& choices, const QString& help, const Access& access) {
+  auto* const box = prepared<QComboBox>(part, help);
+  box->addItems(choices);
+  follow(box, access, QOverload<int>::of(&QComboBox::activated), &QComboBox::setCurrentIndex);
+  return box;
+}
+
+QCheckBox* Panel::check(const char* part, const QString& text, const QString& help, const Access& access) {
+  auto* const box = prepared<QCheckBox>(part, help);
+  box->setText(text);
+  follow<QAbstractButton, bool>(box, access, &QAbstractButton::clicked, &QAbstractButton::setChecked);
+  form_->addRow(box);
+  return box;
+}
+
+QPushButton* Panel::resetButton() {
+  auto* const made = prepared<QPushButton>("defaults", tr("All settings of the panel, as they were at first"));
+  made->setText(tr("Reset all"));
+  connect(made, &QPushButton::clicked, this, [this] {
+    change([settings = defaults_](DragSession& session) mutable {
+      settings.edit.detail = session.settings().edit.detail;
+      session.set_settings(settings);
+      session.set(&Tools::gizmo, false);
+      session.set(&Tools::axes, GizmoAxes::Layer);
+    });
+  });
+  return made;
+}
+
+QPushButton* Panel::button(const char* part, const QString& text, const QString& help, std::optional<DragKey> key) {
+  auto* made = new QPushButton(panelIcon(part, palette()), text);
+  made->setObjectName(nameOf(part));
+  made->setToolTip(help);
+  made->setMinimumWidth(kButtonWidth);  // the style's own minimum is wider
+  made->setFocusPolicy(Qt::NoFocus);
+  connect(made, &QPushButton::clicked, this, [this, name = QString(part), key] { emit command(name, key); });
+  buttons_[part] = made;
+  return made;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QDockWidget>
+#include <QLabel>
 #include <QPointer>
 #include <QString>
 #include <functional>
@@ -17,13 +18,11 @@ class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
 class QFormLayout;
-class QLabel;
 class QLineEdit;
 class QListWidget;
 class QProgressBar;
 class QPushButton;
 class QSlider;
-class QSpinBox;
 class QVBoxLayout;
 
 /// The tool's dock panel: groups of widgets that fold. Every widget is named laplacian_drag_<part>; tests use the
@@ -49,8 +48,8 @@ class Panel : public QDockWidget {
  signals:
   /// Emitted when a value was edited.
   void edited(const Panel::Change& change);
-  /// Emitted when a button was pressed. @param part  <part> of its name
-  void command(const QString& part);
+  /// Emitted when a button was pressed. @param part  <part> of its name. @param key  that does the same; none: no key
+  void command(const QString& part, std::optional<lapedit::DragKey> key);
   /// Emitted when the user closed the panel.
   void closed();
 
@@ -73,7 +72,6 @@ class Panel : public QDockWidget {
   void addBasic();
   void addRegion();
   void addDetail();
-  void addAutomatic();
   void addPieces();
   void addMirror();
   void addPaint();
@@ -99,14 +97,16 @@ class Panel : public QDockWidget {
                          const Access& access);
   QDoubleSpinBox* percent(const char* part, int high, const QString& help, const Access& access);
   QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
-  /// @param set  called with the value while the slider is moved (passing), and at its release
-  QSlider* slider(const char* part, int high, const QString& help, const std::function<void(int, bool passing)>& set);
-  QSpinBox* count(const char* part, int low, int high, const QString& help, const Access& access);
+  /// Makes a slider of percents. @param set  called with the value while the slider is moved (passing), and at its
+  /// release
+  QSlider* slider(const char* part, int high, const QString& help,
+                  const std::function<double(const lapedit::DragSession&)>& get,
+                  const std::function<void(lapedit::DragSession&, double, bool passing)>& set);
   QCheckBox* check(const char* part, const QString& text, const QString& help, const Access& access);
   QPushButton* resetButton();
   QComboBox* choice(const char* part, const QStringList& choices, const QString& help, const Access& access);
-  QPushButton* button(const char* part, const QString& text, const QString& help);
-  QLabel* figure(const char* part, const QString& help);
+  QPushButton* button(const char* part, const QString& text, const QString& help,
+                      std::optional<lapedit::DragKey> key = {});
   /// Connects the widget: input changes the session, and show() displays its value.
   template <class Widget, class Value>
   void follow(Widget* box, const Access& access, void (Widget::*changed)(Value), void (Widget::*bring)(Value));
@@ -134,6 +134,6 @@ class Panel : public QDockWidget {
   } history_;
   QComboBox* colours_;
   QProgressBar* progress_;
-  QLabel *region_, *quality_;
+  QLabel *region_ = new QLabel, *quality_ = new QLabel;
   std::map<QString, QPushButton*> buttons_;
 };

@@ -2,28 +2,79 @@
 #include <QCheckBox>
 #include <QComboBox>
 #include <QFormLayout>
-#include <QLabel>
+#include <QLineEdit>
+#include <QListWidget>
 #include <QProgressBar>
 #include <QPushButton>
+#include <QRegularExpression>
 #include <QSignalBlocker>
 #include <QSlider>
-#include <QSpinBox>
 #include <QToolButton>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "panel.h"
-#include "panel_icons.h"
 #include "panel_widgets.h"
 
 using namespace lapedit;
 
-// Panel: groups and their rows, except the last step and the history.
+// Panel: groups and their rows.
 
 namespace {
 
 constexpr int kPlanes = 6;  // number of mirror planes in the list
+constexpr int kHistoryRows = 6;
+
+/// Returns rich text, which tool tips break into lines.
+QString tip(const QString& help) {
+  return "<qt>" + help.toHtmlEscaped() + "</qt>";
+}
+
+/// Returns the label of a setting or of a choice.
+QString titleOf(const char* key) {
+  return QString::fromStdString(title_of(key));
+}
+
+MotionKind kindOf(const HandleTransform& motion) {
+  return motion.degrees != 0 ? MotionKind::Rotate : motion.scale != 1 ? MotionKind::Scale : MotionKind::Translate;
+}
+
+QString numbersOf(const HandleTransform& motion) {
+  const auto text = [](double number) { return QString::number(number, 'g', 6); };
+  const Vector3& along = motion.translation;
+  return kindOf(motion) == MotionKind::Rotate ? text(motion.degrees)
+         : kindOf(motion) == MotionKind::Scale
+             ? text(motion.scale)
+             : QStringList({text(along.x()), text(along.y()), text(along.z())}).join(", ");
+}
+
+/// Reads what numbersOf() writes. @return false for other texts, without a change of the motion
+bool setNumbers(const QString& text, HandleTransform& motion) {
+  QStringList words = text.split(QRegularExpression("[,\\s]+"));
+  words.removeAll(QString());
+  std::vector<double> numbers;
+  for (const QString& word : qAsConst(words)) {
+    bool ok = false;
+    numbers.push_back(word.toDouble(&ok));
+    if (!ok) {
+      return false;
+    }
+  }
+  const MotionKind kind = kindOf(motion);
+  if (numbers.size() != (kind == MotionKind::Translate ? 3U : 1U)) {
+    return false;
+  }
+  if (kind == MotionKind::Translate) {
+    motion.translation = Vector3(numbers[0], numbers[1], numbers[2]);
+  } else {
+    (kind == MotionKind::Rotate ? motion.degrees : motion.scale) = numbers[0];
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -44,7 +95,15 @@ void Panel::addBasic() {
                                     "(Shift+wheel); 0: the vertex under the cursor alone"),
                                  access<&DragSettings::handle_fraction, 100>()));
   addDetail();
-  addAutomatic();
+  check(
+      "automatic", tr("Automatic sizes"),
+      tr("A press takes the radius of the ear, nose or limb there, and a fifth of it for the handle, until a radius is "
+         "set"),
+      ofSettings([](const DragSettings& settings) { return settings.first_radius > 0 ? 1 : 0; },
+                 [this](DragSettings& settings, double on) {
+                   settings.first_radius = on * defaults_.first_radius;
+                   settings.handle_fraction = on > 0 ? defaults_.handle_fraction : settings.handle_fraction;
+                 }));
   addPieces();
   auto* const click = choice(
       "mode", {tr("Disc or vertex"), tr("Curve"), tr("Another handle"), tr("New region")},
@@ -87,20 +146,21 @@ void Panel::addBasic() {
                 session.set(&Tools::gizmo, index > 0);
                 session.set(&Tools::axes, static_cast<GizmoAxes>(std::max(index - 1, 0)));
               }}));
-  buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)")),
-           button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)")),
-           button("scale", tr("Scale"), tr("The handle grows about its pivot with the mouse (S)")),
-           button("apply", tr("Apply"), tr("Applies what is being moved (Return)")),
-           button("cancel", tr("Cancel"), tr("Cancels what is being moved (Esc, Backspace, right button)"))});
+  buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)"), DragKey::Translate),
+           button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)"), DragKey::Rotate),
+           button("scale", tr("Scale"), tr("The handle grows about its pivot with the mouse (S)"), DragKey::Scale),
+           button("apply", tr("Apply"), tr("Applies what is being moved (Return)"), DragKey::Apply),
+           button("cancel", tr("Cancel"), tr("Cancels what is being moved (Esc, Backspace, right button)"),
+                  DragKey::Cancel)});
   buttons_["apply"]->hide();
   buttons_["cancel"]->hide();
-  buttons({button("undo", tr("Undo"), tr("Undoes the last step (Ctrl+Z)")),
-           button("redo", tr("Redo"), tr("Redoes the last undone step (Ctrl+Shift+Z)")),
+  buttons({button("undo", tr("Undo"), tr("Undoes the last step (Ctrl+Z)"), DragKey::Undo),
+           button("redo", tr("Redo"), tr("Redoes the last undone step (Ctrl+Shift+Z)"), DragKey::Redo),
            button("reset", tr("Undo all"), tr("Restores the mesh as it was when the tool began"))});
   buttons(
       {button("save", tr("Save..."), tr("Writes all steps as JSON or as a filter script, for Laplacian Edit Replay")),
        button("load", tr("Load..."), tr("Applies the steps of a saved edit")),
-       button("help", tr("Keys"), tr("Shows all keys over the picture (?)"))});
+       button("help", tr("Keys"), tr("Shows all keys over the picture (?)"), DragKey::Help)});
   progress_ = new QProgressBar;
   progress_->setObjectName(nameOf("progress"));
   progress_->setToolTip(tr("Progress of preparing the region"));
@@ -113,36 +173,21 @@ void Panel::addBasic() {
 }
 
 void Panel::addDetail() {
-  auto* const detail =
-      slider("detail", 200,
-             tr("How much of the detail remains in the region: 0 removes dents and bumps, 100 % keeps them, 200 % "
-                "doubles them. "
-                "Needs no drag: press on the dent, or paint it, then move this"),
-             [this](int percent, bool passing) {
-               change([percent, passing](DragSession& session) {
-                 DragSettings settings = session.settings();
-                 settings.edit.detail = percent / 100.0;
-                 session.set_settings(settings, passing);
-               });
-             });
+  auto* const detail = slider(
+      "detail", 200,
+      tr("How much of the detail remains in the region: 0 removes dents and bumps, 100 % keeps them, 200 % "
+         "doubles them. "
+         "Needs no drag: press on the dent, or paint it, then move this"),
+      [](const DragSession& session) { return session.settings().edit.detail; },
+      [](DragSession& session, double detail, bool passing) {
+        DragSettings settings = session.settings();
+        settings.edit.detail = detail;
+        session.set_settings(settings, passing);
+      });
   row({}, detail);
-  shown_.push_back([detail, title = titles_.back()](const DragSession& session) {
-    const QSignalBlocker blocker(detail);
-    detail->setValue(static_cast<int>(std::round(100 * session.settings().edit.detail)));
-    title->setText(tr("Detail %1 %").arg(detail->value()));
+  shown_.push_back([title = titles_.back()](const DragSession& session) {
+    title->setText(tr("Detail %1 %").arg(std::round(100 * session.settings().edit.detail)));
   });
-}
-
-void Panel::addAutomatic() {
-  check(
-      "automatic", tr("Automatic sizes"),
-      tr("A press takes the radius of the ear, nose or limb there, and a fifth of it for the handle, until a radius is "
-         "set"),
-      ofSettings([](const DragSettings& settings) { return settings.first_radius > 0 ? 1 : 0; },
-                 [this](DragSettings& settings, double on) {
-                   settings.first_radius = on * defaults_.first_radius;
-                   settings.handle_fraction = on > 0 ? defaults_.handle_fraction : settings.handle_fraction;
-                 }));
 }
 
 void Panel::addPieces() {
@@ -199,7 +244,8 @@ void Panel::addPaint() {
                 session.set(&Tools::paint,
                             index > 0 ? std::optional(static_cast<BrushTarget>(index - 1)) : std::nullopt);
               }}));
-  auto* brush = count("brush", 1, 1000, tr("Radius of the brush on the screen"), access<&DragSettings::brush_pixels>());
+  auto* brush =
+      number("brush", 1, 1000, 0, tr("Radius of the brush on the screen"), access<&DragSettings::brush_pixels>());
   brush->setSuffix(tr(" pixels"));
   row(tr("Brush size"), brush);
   buttons({button("invert", tr("Invert"), tr("Swaps painted and unpainted vertices")),
@@ -213,8 +259,8 @@ void Panel::addPaint() {
 
 void Panel::addRegion() {
   begin("region", tr("Region and handle"), tr("The part of the surface that follows the handle, and how"));
-  buttons({button("grow", tr("Grow"), tr("Makes the region larger by a ring ( ] )")),
-           button("shrink", tr("Shrink"), tr("Makes the region smaller by a ring ( [ )")),
+  buttons({button("grow", tr("Grow"), tr("Makes the region larger by a ring ( ] )"), DragKey::Grow),
+           button("shrink", tr("Shrink"), tr("Makes the region smaller by a ring ( [ )"), DragKey::Shrink),
            button("component", tr("Component"), tr("The region is the whole connected piece of the handle"))});
   row(tr("Falloff"),
       choice("falloff", {tr("Even"), tr("Sharp"), tr("Smooth"), tr("Dome")},
@@ -236,6 +282,103 @@ void Panel::addRegion() {
   row(tr("Connect within"), gap);
 }
 
+void Panel::addAdvanced() {
+  begin("advanced", tr("Solver"), tr("How the region is deformed; a saved edit has all settings of the solver"));
+  for (const Setting& setting : settings_table()) {
+    const Access access =
+        ofSettings([&setting](const DragSettings& settings) { return setting.get(settings.edit); },
+                   [&setting](DragSettings& settings, double value) { setting.set(settings.edit, value); });
+    if (QString(setting.key) == "method") {
+      QStringList names;
+      std::transform(setting.choices.begin(), setting.choices.end(), std::back_inserter(names), titleOf);
+      row(titleOf(setting.key), choice(setting.key, names, tip(setting.help), access));
+    } else if (setting.kind == Setting::Kind::Switch) {
+      auto* const box = check(setting.key, titleOf(setting.subject), tip(setting.help), access);
+      shown_.push_back([box, &setting](const DragSession& session) {
+        box->setVisible(setting.applies(session.settings().edit.method));
+      });
+    } else if (QString(setting.key) == "membrane") {
+      row(tr("Keep lengths"), number(setting.key, setting.low, setting.high, 6, tip(setting.help), access));
+    }
+  }
+}
+
+void Panel::addLastStep() {
+  begin("last_step", tr("Last step and history"),
+        tr("The last step, which can be changed until something else is picked, and all that was done"));
+  auto* const value =
+      prepared<QLineEdit>("last_value", tr("What the last step did: a displacement along X, Y and Z of the "
+                                           "layer, degrees about the axis, or a factor"));
+  row(tr("Moved"), value);
+  connect(value, &QLineEdit::editingFinished, this, [this, value] {
+    if (value->text() == value->property(kValue).toString()) {
+      return;
+    }
+    change([text = value->text()](DragSession& session) {
+      std::optional<LastStep> last = session.last_step();
+      if (last && setNumbers(text, last->motion)) {
+        session.set_last_step(last->motion, last->fraction);
+      }
+    });
+  });
+  shown_.push_back([value, title = titles_.back()](const DragSession& session) {
+    const std::optional<LastStep> last = session.last_step();
+    value->setEnabled(last && !last->bent);
+    const HandleTransform motion = last.value_or(LastStep()).motion;
+    title->setText(kindOf(motion) == MotionKind::Rotate  ? tr("Turned")
+                   : kindOf(motion) == MotionKind::Scale ? tr("Scaled")
+                                                         : tr("Moved"));
+    value->setProperty(kValue, numbersOf(motion));
+    if (!value->hasFocus()) {
+      value->setText(numbersOf(motion));
+    }
+  });
+  auto* const fraction = slider(
+      "last_fraction", 100, tr("Fraction of the path: 0 to 100 percent"),
+      [](const DragSession& session) { return session.last_step().value_or(LastStep()).fraction; },
+      [](DragSession& session, double part, bool passing) {
+        if (const std::optional<LastStep> last = session.last_step()) {
+          session.set_last_step(last->motion, part, passing);
+        }
+      });
+  shown_.push_back([fraction](const DragSession& session) { fraction->setEnabled(session.last_step().has_value()); });
+  row(tr("Fraction"), fraction);
+  addHistory();
+}
+
+void Panel::addHistory() {
+  history_.list = new QListWidget;
+  history_.list->setObjectName(nameOf("timeline"));
+  history_.list->setToolTip(
+      tr("All steps and strokes in order: a click goes to the state after one; grey ones are undone"));
+  history_.list->setFocusPolicy(Qt::NoFocus);
+  history_.list->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  history_.list->setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Fixed);
+  history_.list->setFixedHeight(kHistoryRows * history_.list->fontMetrics().lineSpacing());
+  connect(history_.list, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
+    const auto row = static_cast<std::size_t>(history_.list->row(item));
+    history_.shown = -1;  // fills the list again, since the session may refuse
+    change([row](DragSession& session) { session.go_to(row); });
+  });
+  form_->addRow(history_.list);
+}
+
+void Panel::showHistory(const Timeline& timeline) {
+  if (std::exchange(history_.shown, timeline.serial()) == timeline.serial()) {
+    return;
+  }
+  history_.list->clear();
+  history_.list->addItem(tr("Start"));
+  for (const Action& action : timeline.done()) {
+    history_.list->addItem(QString::fromStdString(action.name));
+  }
+  history_.list->setCurrentRow(history_.list->count() - 1);
+  for (auto action = timeline.undone().rbegin(); action != timeline.undone().rend(); ++action) {
+    auto* const item = new QListWidgetItem(QString::fromStdString(action->name), history_.list);
+    item->setForeground(palette().brush(QPalette::Disabled, QPalette::Text));
+  }
+}
+
 void Panel::addView() {
   begin("statistics", tr("View and figures"), tr("Colours over the surface, counts and quality"));
   colours_ =
@@ -244,10 +387,15 @@ void Panel::addView() {
   colours_->addItems({tr("Region"), tr("Region, not in a drag"), tr("Stretch"), tr("None")});
   connect(colours_, QOverload<int>::of(&QComboBox::activated), this, [this] { change([](DragSession&) {}); });
   row(tr("Colours"), colours_);
-  region_ = figure("region", tr("Vertices of the region by class, and of the mesh outside it"));
-  quality_ = figure("quality", tr("Of the last pose: how far the handle is from its target, the most stretched edge, "
-                                  "and where it folded"));
-  for (QLabel* label : {region_, quality_}) {
+  const std::tuple<QLabel*, const char*, QString> figures[] = {
+      {region_, "region", tr("Vertices of the region by class, and of the mesh outside it")},
+      {quality_, "quality",
+       tr("Of the last pose: how far the handle is from its target, the most stretched edge, and "
+          "where it folded")}};
+  for (const auto& [label, part, help] : figures) {
+    label->setObjectName(nameOf(part));
+    label->setToolTip(help);
+    label->setWordWrap(true);
     form_->addRow(label);
   }
 }

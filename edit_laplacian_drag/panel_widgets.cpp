@@ -3,12 +3,30 @@
 
 #include <QEvent>
 #include <QFormLayout>
+#include <QPainter>
 #include <QToolButton>
 #include <QVBoxLayout>
 #include <cmath>
 
 QString nameOf(const QString& part) {
   return "laplacian_drag_" + part;
+}
+
+QIcon panelIcon(const QString& part, const QPalette& palette) {
+  const QImage shape(":/laplacian_drag/icons/" + part + ".png");  // its colours do not count
+  QIcon icon;
+  for (const QIcon::Mode mode : {QIcon::Normal, QIcon::Disabled}) {
+    if (QImage image = shape; !image.isNull()) {
+      QPainter painter(&image);
+      painter.setCompositionMode(QPainter::CompositionMode_SourceIn);
+      painter.fillRect(image.rect(), palette.color(mode == QIcon::Normal ? QPalette::Active : QPalette::Disabled,
+                                                   QPalette::ButtonText));
+      painter.end();
+      image.setDevicePixelRatio(2);
+      icon.addPixmap(QPixmap::fromImage(image), mode);
+    }
+  }
+  return icon;
 }
 
 double threeDigits(double value) {

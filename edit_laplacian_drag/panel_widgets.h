@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QDoubleSpinBox>
+#include <QIcon>
 #include <QLineEdit>
 #include <QWidget>
 
@@ -16,6 +17,10 @@ constexpr const char* kValue = "laplacian_drag_value";  // property of a text fi
 
 /// Returns the object name of a part of the panel.
 QString nameOf(const QString& part);
+
+/// Returns the icon of a button or choice of the panel, by <part> of its name, in the palette's colours; empty if
+/// there is none.
+QIcon panelIcon(const QString& part, const QPalette& palette);
 
 /// Rounds values of sliders and wheels to few digits. @param value greater than 0
 double threeDigits(double value);

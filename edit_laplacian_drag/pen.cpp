@@ -3,7 +3,6 @@
 
 #include <QOpenGLContext>
 #include <QOpenGLFunctions>
-#include <cmath>
 
 namespace pen {
 
@@ -64,16 +63,6 @@ InPixels::~InPixels() {
   glMatrixMode(GL_PROJECTION);
   glPopMatrix();
   glMatrixMode(GL_MODELVIEW);
-}
-
-void circle(const lapedit::Vector2& center, double radius) {
-  constexpr int kCorners = 48;
-  glBegin(GL_LINE_LOOP);
-  for (int i = 0; i < kCorners; ++i) {
-    const double angle = 2 * 3.14159265358979 * i / kCorners;
-    glVertex2d(center.x() + radius * std::cos(angle), center.y() + radius * std::sin(angle));
-  }
-  glEnd();
 }
 
 }  // namespace pen

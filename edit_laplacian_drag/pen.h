@@ -3,6 +3,8 @@
 
 #include <QtGui/qopengl.h>
 #include <array>
+#include <cmath>
+#include <initializer_list>
 
 #include "lapedit/mesh/adjacency.h"
 #include "lapedit/session/gizmo.h"
@@ -51,11 +53,28 @@ inline void vertex(const lapedit::Vector2& pixel) {
   glVertex2dv(pixel.data());
 }
 
+/// Draws vertices of the surface, or pixels.
+template <class Vertices>
+void shape(GLenum mode, const Vertices& vertices) {
+  glBegin(mode);
+  for (const auto& each : vertices) {
+    vertex(each);
+  }
+  glEnd();
+}
+
 template <class Place>
 void line(const Place& from, const Place& to) {
-  glBegin(GL_LINES);
-  vertex(from);
-  vertex(to);
+  shape(GL_LINES, std::initializer_list<Place>{from, to});
+}
+
+/// Draws at(angle) for angles of a revolution.
+template <class At>
+void circle(GLenum mode, int corners, const At& at) {
+  glBegin(mode);
+  for (int i = 0; i < corners; ++i) {
+    vertex(at(2 * 3.14159265358979 * i / corners));
+  }
   glEnd();
 }
 
@@ -67,6 +86,19 @@ void rimmed(const Color& color, double width, double pixelRatio, const Draw& dra
     set(rim ? kDark : color, rim ? 0.75 * alpha : alpha);
     draw();
   }
+}
+
+/// Draws points; calls draw() twice if they have a rim.
+template <class Draw>
+void dots(const Color& color, double size, double alpha, const Draw& draw, bool rimmed = true) {
+  if (rimmed) {
+    glPointSize(static_cast<GLfloat>(size + 3));
+    set(kDark, alpha);
+    draw();
+  }
+  glPointSize(static_cast<GLfloat>(size));
+  set(color, alpha);
+  draw();
 }
 
 /// Draws lines of the vertex array. Fills the joints of wide lines if they are opaque; in other lines the fillings
@@ -92,6 +124,19 @@ class FlatState {
 };
 
 /// Draws a circle about a pixel.
-void circle(const lapedit::Vector2& center, double radius);
+inline void circle(const lapedit::Vector2& center, double radius) {
+  circle(GL_LINE_LOOP, 48, [&](double angle) {
+    return lapedit::Vector2(center + radius * lapedit::Vector2(std::cos(angle), std::sin(angle)));
+  });
+}
+
+/// Draws a plus or a minus about a pixel.
+inline void cross(const lapedit::Vector2& center, double half, bool plus = true) {
+  const lapedit::Vector2 across(half, 0), up(0, half);
+  line<lapedit::Vector2>(center - across, center + across);
+  if (plus) {
+    line<lapedit::Vector2>(center - up, center + up);
+  }
+}
 
 }  // namespace pen

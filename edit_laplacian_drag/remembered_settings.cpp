@@ -1,25 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remembered_settings.h"
 
-#include <iterator>
-
-#include "lapedit/base/error.h"
+#include <functional>
+#include <vector>
 
 using namespace lapedit;
 
 namespace {
 
-/// Returns whether a setting makes sense for another mesh and another step.
-bool isKept(const Setting& setting) {
-  return setting.kind != Setting::Kind::Length && QString(setting.key) != "detail";
+constexpr const char* kGroup = "settings";
+
+struct Value {
+  const char* name;
+  double low, high;  ///< other values in the file are ignored
+  std::function<double(const DragSettings&, const Tools&)> get;
+  std::function<void(DragSettings&, Tools&, double)> set;
+};
+
+/// Returns the values that make sense for another mesh and another step.
+std::vector<Value> allValues() {
+  std::vector<Value> all = {
+      {"padding", 0, 1, [](const DragSettings& settings, const Tools&) { return settings.padding; },
+       [](DragSettings& settings, Tools&, double value) { settings.padding = value; }},
+      {"brush", 1, 1000, [](const DragSettings& settings, const Tools&) { return settings.brush_pixels; },
+       [](DragSettings& settings, Tools&, double value) { settings.brush_pixels = value; }},
+      {"falloff", 0, double(Falloff::Dome),
+       [](const DragSettings& settings, const Tools&) { return double(settings.falloff); },
+       [](DragSettings& settings, Tools&, double value) { settings.falloff = static_cast<Falloff>(value); }},
+      {"gizmo", 0, 1,
+       [](const DragSettings&, const Tools& tools) { return tools.gizmo && !tools.gizmo_by_click ? 1 : 0; },
+       [](DragSettings&, Tools& tools, double value) { tools.gizmo = value != 0; }},
+      {"gizmo_axes", 0, double(GizmoAxes::Normal),
+       [](const DragSettings&, const Tools& tools) { return double(tools.axes); },
+       [](DragSettings&, Tools& tools, double value) { tools.axes = static_cast<GizmoAxes>(value); }}};
+  for (const Setting& setting : settings_table()) {
+    if (setting.kind != Setting::Kind::Length && QString(setting.key) != "detail") {
+      all.push_back({setting.key, setting.low, setting.high,
+                     [&setting](const DragSettings& settings, const Tools&) { return setting.get(settings.edit); },
+                     [&setting](DragSettings& settings, Tools&, double value) { setting.set(settings.edit, value); }});
+    }
+  }
+  return all;
 }
 
-constexpr double DragSettings::*kMembers[] = {&DragSettings::padding, &DragSettings::brush_pixels};
-const char* const kNames[] = {"padding", "brush"};
-const char* const kFalloff = "falloff";
-const char* const kGroup = "settings";
-const char* const kGizmo = "gizmo";
-const char* const kGizmoAxes = "gizmo_axes";
+const std::vector<Value>& values() {
+  static const std::vector<Value> all = allValues();
+  return all;
+}
 
 }  // namespace
 
@@ -32,64 +59,30 @@ RememberedSettings::RememberedSettings() : file_("laplacian-edit", "laplacian-dr
       kept_[key] = value;
     }
   }
-  file_.endGroup();
-}
-
-RememberedSettings::Values RememberedSettings::valuesOf(const DragSettings& settings) {
-  Values values;
-  for (std::size_t i = 0; i < std::size(kMembers); ++i) {
-    values[kNames[i]] = settings.*kMembers[i];
-  }
-  values[kFalloff] = static_cast<double>(settings.falloff);
-  for (const Setting& setting : settings_table()) {
-    if (isKept(setting)) {
-      values[setting.key] = setting.get(settings.edit);
-    }
-  }
-  return values;
-}
-
-void RememberedSettings::setValues(const Values& values, DragSettings& settings) {
-  DragSettings changed = settings;
-  for (std::size_t i = 0; i < std::size(kMembers); ++i) {
-    changed.*kMembers[i] = values.value(kNames[i], changed.*kMembers[i]);
-  }
-  const double falloff = values.value(kFalloff, 0);
-  if (falloff >= 0 && falloff <= static_cast<double>(Falloff::Dome)) {
-    changed.falloff = static_cast<Falloff>(falloff);
-  }
-  for (const Setting& setting : settings_table()) {
-    const auto found = values.find(setting.key);
-    if (isKept(setting) && found != values.end() && *found >= setting.low && *found <= setting.high) {
-      setting.set(changed.edit, *found);
-    }
-  }
-  try {
-    validate(changed);
-    settings = changed;
-  } catch (const EditError&) {
-    // The file was edited by hand: the values stay as they are.
-  }
 }
 
 void RememberedSettings::bringTo(DragSession& session) const {
   DragSettings settings = session.settings();
-  setValues(kept_, settings);
-  session.set_settings(settings);
-  const double axes = kept_.value(kGizmoAxes, static_cast<double>(session.tools().axes));
-  session.set(&Tools::gizmo, kept_.value(kGizmo, session.tools().gizmo ? 1 : 0) != 0);
-  session.set(&Tools::axes, axes >= 0 && axes <= static_cast<double>(GizmoAxes::Normal) ? static_cast<GizmoAxes>(axes)
-                                                                                        : GizmoAxes::Layer);
+  Tools tools = session.tools();
+  for (const Value& value : values()) {
+    const auto found = kept_.find(value.name);
+    if (found != kept_.end() && *found >= value.low && *found <= value.high) {
+      value.set(settings, tools, *found);
+    }
+  }
+  session.set_settings(settings);  // refused if the file was edited by hand: the settings stay as they are
+  session.set_tools(tools);        // forgets the refusal
 }
 
 void RememberedSettings::keep(const DragSession& session) {
-  Values values = valuesOf(session.settings());
-  values[kGizmo] = session.tools().gizmo && !session.tools().gizmo_by_click ? 1 : 0;
-  values[kGizmoAxes] = static_cast<int>(session.tools().axes);
-  if (values != kept_) {
-    kept_ = values;
-    for (auto value = kept_.begin(); value != kept_.end(); ++value) {
-      file_.setValue(QString(kGroup) + "/" + value.key(), value.value());
+  QMap<QString, double> now;
+  for (const Value& value : values()) {
+    now[value.name] = value.get(session.settings(), session.tools());
+  }
+  if (now != kept_) {
+    kept_ = now;
+    for (auto value = now.begin(); value != now.end(); ++value) {
+      file_.setValue(value.key(), value.value());
     }
   }
 }

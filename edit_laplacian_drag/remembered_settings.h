@@ -17,10 +17,6 @@ class RememberedSettings {
   void keep(const lapedit::DragSession& session);  ///< stores the session's settings if they have changed
 
  private:
-  using Values = QMap<QString, double>;
-  static Values valuesOf(const lapedit::DragSettings& settings);
-  static void setValues(const Values& values, lapedit::DragSettings& settings);
-
-  QSettings file_;
-  Values kept_;
+  QSettings file_;  // in the group of the settings
+  QMap<QString, double> kept_;
 };

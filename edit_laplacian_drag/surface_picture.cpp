@@ -49,17 +49,27 @@ void tint(const std::vector<unsigned>& corners, const pen::Color& color, double 
   triangles(corners);
 }
 
-/// Draws points with a dark rim, which are visible on any mesh.
+/// Draws faces with a tint and, over it, a hatch. Then lines and points may follow.
+void faces(const std::vector<unsigned>& corners, const pen::Color& color, double alpha, const pen::Color& hatched,
+           double hatchAlpha) {
+  glDepthRange(0, 1);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  tint(corners, color, alpha);
+  if (hatchAlpha > 0) {
+    glEnable(GL_POLYGON_STIPPLE);
+    tint(corners, hatched, hatchAlpha);
+    glDisable(GL_POLYGON_STIPPLE);
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDepthRange(0, kShift);
+}
+
 void points(const std::vector<unsigned>& indices, const pen::Color& color, double size, double alpha,
             bool rimmed = true) {
-  for (const bool rim : {true, false}) {
-    if (rim && !rimmed) {
-      continue;
-    }
-    glPointSize(static_cast<GLfloat>(rim ? size + 3 : size));
-    pen::set(rim ? pen::kDark : color, alpha);
-    glDrawElements(GL_POINTS, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
-  }
+  pen::dots(
+      color, size, alpha,
+      [&] { glDrawElements(GL_POINTS, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data()); },
+      rimmed);
 }
 
 }  // namespace
@@ -234,8 +244,15 @@ void SurfacePicture::draw(const DragSession& session, const Options& options) {
   for (std::size_t g = 0; g < groups; ++g) {
     drawGroup(session, g, options);
   }
-  drawMarked(patches_[groups], {pen::kLight, 0.35, 0.6, pen::kGrey}, options.pixelRatio);
-  drawMarked(patches_.back(), {pen::kAnchor, session.motion() ? 0.35 : 0.6, 0.35, pen::kAnchor}, options.pixelRatio);
+  const auto marked = [&](const Patch& patch, const pen::Color& color, double alpha, double hatchAlpha,
+                          const pen::Color& outline) {
+    faces(patch.faces, color, alpha, pen::kDark, hatchAlpha);
+    pen::set(outline);
+    pen::chains(patch.border, 1.5 * options.pixelRatio);
+    points(patch.loose, outline, 4 * options.pixelRatio, 1);
+  };
+  marked(patches_[groups], pen::kLight, 0.35, 0.6, pen::kGrey);  // not connected
+  marked(patches_.back(), pen::kAnchor, session.motion() ? 0.35 : 0.6, 0.35, pen::kAnchor);
   glDepthRange(0, 1);
   glDisableClientState(GL_VERTEX_ARRAY);
 }
@@ -292,11 +309,11 @@ void SurfacePicture::drawHeat(const DragSession& session) {
 
 /// Draws folded triangles, also through the surface.
 void SurfacePicture::drawFolds(const DragSession& session) {
+  const auto report = session.figures().report;
   std::vector<unsigned> folds;
-  for (const auto& fold : session.figures().folds) {
-    const unsigned corners[] = {number(session.shown().region().get(), fold[0]),
-                                number(session.shown().region().get(), fold[1]),
-                                number(session.shown().region().get(), fold[2])};
+  for (const auto& fold : report ? report->causes.folds : std::vector<std::array<int, 3>>()) {
+    const Region* const region = session.shown().region().get();
+    const unsigned corners[] = {number(region, fold[0]), number(region, fold[1]), number(region, fold[2])};
     if (std::find(corners, corners + 3, kNone) == corners + 3) {
       folds.insert(folds.end(), corners, corners + 3);
     }
@@ -325,19 +342,13 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
     glMultMatrixd(map.data());
     glDisable(GL_DEPTH_TEST);
   }
-  glDepthRange(0, 1);
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  const bool tinted = options.colours != Colours::None;
-  if (tinted) {
-    tint(patch.faces, color, (moving ? 0.25 : active ? 0.5 : 0.25) + (hovered ? 0.2 : 0));
+  if (options.colours != Colours::None) {
+    faces(patch.faces, color, (active && !moving ? 0.5 : 0.25) + (hovered ? 0.2 : 0), color,
+          active   ? 0
+          : moving ? 0.45
+                   : 0.7);
   }
-  if (!active && tinted) {
-    glEnable(GL_POLYGON_STIPPLE);
-    tint(patch.faces, color, moving ? 0.45 : 0.7);
-    glDisable(GL_POLYGON_STIPPLE);
-  }
-  glDisable(GL_POLYGON_OFFSET_FILL);
-
+  glDepthRange(0, kShift);
   // Loose vertices next to faces of the group get no mark of their own.
   const bool alone = patch.faces.empty();
   const double ratio = options.pixelRatio;
@@ -367,7 +378,6 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   if (!ahead) {
     glEnable(GL_DEPTH_TEST);
   }
-  glDepthRange(0, kShift);
   outline(width, 1);
   points(patch.loose, color, size, 1, alone);
   points(patch.points, color, 9 * ratio, 1);
@@ -375,19 +385,4 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
     glEnable(GL_DEPTH_TEST);
     glPopMatrix();
   }
-}
-
-/// Draws vertices that are in no group, hatched.
-void SurfacePicture::drawMarked(const Patch& patch, const Mark& mark, double pixelRatio) {
-  glDepthRange(0, 1);
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  tint(patch.faces, mark.tint, mark.alpha);
-  glEnable(GL_POLYGON_STIPPLE);
-  tint(patch.faces, pen::kDark, mark.hatch);
-  glDisable(GL_POLYGON_STIPPLE);
-  glDisable(GL_POLYGON_OFFSET_FILL);
-  glDepthRange(0, kShift);
-  pen::set(mark.outline);
-  pen::chains(patch.border, 1.5 * pixelRatio);
-  points(patch.loose, mark.outline, 4 * pixelRatio, 1);
 }

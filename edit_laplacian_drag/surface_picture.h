@@ -42,12 +42,6 @@ class SurfacePicture {
     lapedit::Chains border;
   };
 
-  struct Mark {
-    pen::Color tint;
-    double alpha, hatch;  ///< of the tint, and of the lines over it
-    pen::Color outline;
-  };
-
   bool isListed(const lapedit::DragSession& session) const;
   void list(const lapedit::DragSession& session);
   void sortFaces(const lapedit::DragSession& session, const std::vector<int>& labels);
@@ -58,7 +52,6 @@ class SurfacePicture {
   void drawHeat(const lapedit::DragSession& session);
   void drawFolds(const lapedit::DragSession& session);
   void drawGroup(const lapedit::DragSession& session, std::size_t group, const Options& options);
-  static void drawMarked(const Patch& patch, const Mark& mark, double pixelRatio);
 
   // Vertices are numbered as in the region, followed by those outside.
   int regionSerial_ = -1, poseSerial_ = -1;

@@ -86,8 +86,7 @@ bool LaplacianDragTool::handle(QEvent& event) {
         return true;
       }
       clock_.paintBegins();
-      QMetaObject::invokeMethod(
-          this, [this] { guarded([this] { framePainted(); }); }, Qt::QueuedConnection);
+      later([this] { framePainted(); });
       break;
     case QEvent::ShortcutOverride:
       if (isOfWindow(sessionKey(static_cast<QKeyEvent&>(event)))) {
@@ -110,7 +109,7 @@ bool LaplacianDragTool::handle(QEvent& event) {
     case QEvent::MouseButtonDblClick:  // Qt sends it in place of the second press, and MeshLab does not pass it to
                                        // tools
       if (!window_.suspended()) {
-        mousePress(static_cast<QMouseEvent&>(event));
+        input(event);
       }
       break;
     case QEvent::DeferredDelete:  // the view is being closed
@@ -212,9 +211,30 @@ void LaplacianDragTool::showShape() {
   }
 }
 
-void LaplacianDragTool::mousePress(QMouseEvent& event) {
-  mouse_.position = event.localPos();
-  mouse_.modifiers = event.modifiers();
+void LaplacianDragTool::input(QEvent& event) {
+  guarded([&] {
+    if (event.type() == QEvent::KeyPress || event.type() == QEvent::KeyRelease) {
+      return keyEvent(static_cast<QKeyEvent&>(event));
+    }
+    if (event.type() == QEvent::Wheel) {
+      return wheel(static_cast<QWheelEvent&>(event));
+    }
+    const auto& mouse = static_cast<QMouseEvent&>(event);
+    mouse_.position = mouse.localPos();
+    mouse_.modifiers = mouse.modifiers();
+    mouse_.inside = mouse.buttons() == Qt::NoButton;
+    event.type() == QEvent::MouseMove            ? mouseMove(mouse)
+    : event.type() == QEvent::MouseButtonRelease ? mouseRelease(mouse)
+                                                 : mousePress(mouse);
+  });
+}
+
+/// Passes the mouse to MeshLab's navigation.
+void LaplacianDragTool::navigate(const QMouseEvent& event) {
+  window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+}
+
+void LaplacianDragTool::mousePress(const QMouseEvent& event) {
   takeKeys();
   if (event.button() == Qt::LeftButton && pressLine()) {
     return;
@@ -231,7 +251,7 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
   if (around) {
     if (mouse_.navigating == Qt::NoButton && !mouse_.pressed) {
       mouse_.navigating = event.button();
-      window_.navigate(event, event.button() == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+      navigate(event);
     }
     return;
   }
@@ -253,15 +273,12 @@ void LaplacianDragTool::mousePress(QMouseEvent& event) {
     mouse_.pressed = false;
     mouse_.asks = true;
     mouse_.navigating = Qt::LeftButton;
-    window_.navigate(event, Qt::LeftButton);
+    navigate(event);
   }
   afterEvent();
 }
 
-void LaplacianDragTool::mouseMove(QMouseEvent& event) {
-  mouse_.position = event.localPos();
-  mouse_.modifiers = event.modifiers();
-  mouse_.inside = event.buttons() == Qt::NoButton;
+void LaplacianDragTool::mouseMove(const QMouseEvent& event) {
   takeKeys();
   // While a layer is offered, the notice stays, since the mouse has to reach it.
   if (offered_ < 0 && (mouse_.position - mouse_.noticedAt).manhattanLength() > kNoticePixels) {
@@ -271,7 +288,7 @@ void LaplacianDragTool::mouseMove(QMouseEvent& event) {
     }
   }
   if (mouse_.navigating != Qt::NoButton) {
-    window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+    navigate(event);
     return;
   }
   if (!usableLayer() || !view_.valid()) {
@@ -303,13 +320,10 @@ void LaplacianDragTool::mouseMove(QMouseEvent& event) {
   }
 }
 
-void LaplacianDragTool::mouseRelease(QMouseEvent& event) {
-  mouse_.position = event.localPos();
-  mouse_.modifiers = event.modifiers();
-  mouse_.inside = event.buttons() == Qt::NoButton;
+void LaplacianDragTool::mouseRelease(const QMouseEvent& event) {
   if (mouse_.navigating != Qt::NoButton) {
     if (event.button() == mouse_.navigating) {
-      window_.navigate(event, mouse_.navigating == Qt::MiddleButton ? Qt::MiddleButton : Qt::LeftButton);
+      navigate(event);
       mouse_.navigating = Qt::NoButton;
       showShape();
     }
@@ -400,22 +414,18 @@ void LaplacianDragTool::saySettings(const DragSettings& before) {
   mouse_.noticedAt = mouse_.position;
 }
 
-/// Takes the modifiers of a key event, which Qt reports as they were before it.
-/// @return whether Ctrl has changed, here or while another widget had the keyboard
-bool LaplacianDragTool::takeModifiers(const QKeyEvent& event) {
-  const Qt::KeyboardModifiers before = mouse_.modifiers;
-  mouse_.modifiers = event.modifiers();
+void LaplacianDragTool::keyEvent(QKeyEvent& event) {
+  const bool pressed = event.type() == QEvent::KeyPress;
+  // Qt reports the modifiers as they were before the event.
   const Qt::KeyboardModifiers own = event.key() == Qt::Key_Control ? Qt::ControlModifier
                                     : event.key() == Qt::Key_Shift ? Qt::ShiftModifier
                                                                    : Qt::NoModifier;
-  mouse_.modifiers = event.type() == QEvent::KeyPress ? mouse_.modifiers | own : mouse_.modifiers & ~own;
-  return (mouse_.modifiers ^ before) & Qt::ControlModifier;
-}
-
-void LaplacianDragTool::keyPress(QKeyEvent& event) {
-  const bool control = takeModifiers(event);
+  const Qt::KeyboardModifiers before = mouse_.modifiers;
+  mouse_.modifiers = pressed ? event.modifiers() | own : event.modifiers() & ~own;
+  // Here, or while another widget had the keyboard.
+  const bool control = (mouse_.modifiers ^ before) & Qt::ControlModifier;
   window_.repaint();
-  const std::optional<DragKey> key = sessionKey(event);
+  const std::optional<DragKey> key = pressed ? sessionKey(event) : std::nullopt;
   if (key == DragKey::Help) {
     shown_.keys = !shown_.keys;
   } else if (key == DragKey::Copy) {
@@ -424,10 +434,12 @@ void LaplacianDragTool::keyPress(QKeyEvent& event) {
     Panel& panel = shared_->panel();
     panel.setColours(panel.colours() == Colours::None ? Colours::Region : Colours::None);
   }
-  if (isOfWindow(key) || !usableLayer()) {
+  if (isOfWindow(key) || (pressed && !usableLayer())) {
     return;
   }
-  notice_.clear();
+  if (pressed) {
+    notice_.clear();
+  }
   modifiersChanged(control);
   if (key && active_->session().key(*key, cursor())) {
     event.accept();
@@ -447,12 +459,6 @@ void LaplacianDragTool::saySwitch(DragKey key) {
                           : tr("Arrows and rings are hidden. V shows them.");
   }
   mouse_.noticedAt = mouse_.position;
-}
-
-void LaplacianDragTool::keyRelease(QKeyEvent& event) {
-  const bool control = takeModifiers(event);
-  window_.repaint();
-  modifiersChanged(control);
 }
 
 /// Ctrl makes a motion go in steps; without a motion Ctrl and Shift change what a press does.

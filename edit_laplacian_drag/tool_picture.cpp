@@ -65,8 +65,7 @@ void LaplacianDragTool::draw() {
 /// Draws over the scene. The modelview matrix is that of the world.
 void LaplacianDragTool::drawAll() {
   if (isStale()) {
-    QMetaObject::invokeMethod(
-        this, [this] { guarded([this] { isStale() && begin(); }); }, Qt::QueuedConnection);
+    later([this] { isStale() && begin(); });
   }
   const auto layer = usableLayer();
   const QWidget& viewport = window_.viewport();
@@ -99,8 +98,7 @@ void LaplacianDragTool::drawAll() {
     glPopMatrix();
     if (window_.suspended() && session.motion()) {
       // MeshLab's button or menu has suspended the tool. Cancel after drawing, since no upload is possible during it.
-      QMetaObject::invokeMethod(
-          this, [this] { guarded([this] { cancelMotion(); }); }, Qt::QueuedConnection);
+      later([this] { cancelMotion(); });
     }
   }
   drawLine(line(layer.has_value()));
@@ -228,10 +226,11 @@ bool LaplacianDragTool::isCovered() {
 /// Colours the stretch, marks folds and turns the view to them, or to the handle.
 void LaplacianDragTool::showWarning() {
   const DragSession& session = active_->session();
-  const DragFigures figures = session.figures();
   std::vector<int> vertices;
-  for (const auto& fold : figures.folds) {
-    vertices.insert(vertices.end(), fold.begin(), fold.end());
+  if (const auto report = session.figures().report) {
+    for (const auto& fold : report->causes.folds) {
+      vertices.insert(vertices.end(), fold.begin(), fold.end());
+    }
   }
   const auto layer = usableLayer();
   if (layer && !vertices.empty()) {

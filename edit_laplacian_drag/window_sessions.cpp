@@ -7,7 +7,6 @@
 #include <QMdiSubWindow>
 #include <QTimer>
 #include <algorithm>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -152,11 +151,6 @@ LayerSession* WindowSessions::find(int layer) {
   return found != sessions_.end() ? found->second.session.get() : nullptr;
 }
 
-WindowSessions::Sessions::iterator WindowSessions::find(const LayerSession& session) {
-  return std::find_if(sessions_.begin(), sessions_.end(),
-                      [&session](const auto& known) { return known.second.session.get() == &session; });
-}
-
 LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
   DragSession::Callbacks callbacks;
   callbacks.log = [this](const std::string& line) {
@@ -208,25 +202,32 @@ void WindowSessions::endLater(std::unique_ptr<LayerSession> session) {
 }
 
 void WindowSessions::keepInheritance(const LayerSession& session) {
-  Known& known = find(session)->second;
+  const auto is = [&session](const auto& known) { return known.second.session.get() == &session; };
+  Known& known = std::find_if(sessions_.begin(), sessions_.end(), is)->second;
   known.left = known.session->session().inheritance();
   endLater(std::move(known.session));
 }
 
-WindowSessions::Sessions::iterator WindowSessions::erase(Sessions::iterator known) {
-  endLater(std::move(known->second.session));
-  return sessions_.erase(known);
+template <class IsGone>
+void WindowSessions::forgetIf(const IsGone& isGone) {
+  for (auto known = sessions_.begin(); known != sessions_.end();) {
+    if (isGone(*known)) {
+      endLater(std::move(known->second.session));
+      known = sessions_.erase(known);
+    } else {
+      ++known;
+    }
+  }
 }
 
 void WindowSessions::forget(const LayerSession& session) {
-  erase(find(session));
+  forgetIf([&](const auto& known) { return known.second.session.get() == &session; });
 }
 
 void WindowSessions::forgetGone() {
-  for (auto known = sessions_.begin(); known != sessions_.end();) {
-    const bool gone = known->first.first == document_ && user_ && user_->meshOf(known->first.second) == nullptr;
-    known = gone ? erase(known) : std::next(known);
-  }
+  forgetIf([this](const auto& known) {
+    return known.first.first == document_ && user_ && user_->meshOf(known.first.second) == nullptr;
+  });
 }
 
 void WindowSessions::forgetDocument(const QObject* document) {
@@ -236,7 +237,5 @@ void WindowSessions::forgetDocument(const QObject* document) {
     document_ = nullptr;
     hidePanel();
   }
-  for (auto known = sessions_.begin(); known != sessions_.end();) {
-    known = known->first.first == document ? erase(known) : std::next(known);
-  }
+  forgetIf([document](const auto& known) { return known.first.first == document; });
 }

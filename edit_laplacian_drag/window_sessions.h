@@ -26,14 +26,8 @@ class LayerSession {
   LayerSession(const CMeshO& mesh, const lapedit::DragSession::Callbacks& callbacks);
 
   lapedit::DragSession& session() { return session_; }
-  /// Returns whether vertices, faces and positions of the mesh are still as this session wrote them. Normals, colours,
-  /// flags and transforms are not compared, since an edit does not depend on them.
-  bool matches(const CMeshO& mesh) const { return writer_.matches(mesh); }
-  /// As matches(), for some vertices only: O(1).
-  bool seemsToMatch(const CMeshO& mesh) const { return writer_.seems_to_match(mesh); }
-
-  /// Continues in a mesh that matches, but may have other normals than before.
-  void resume(const CMeshO& mesh) { writer_.keep_normals(mesh); }
+  /// Of the layer's mesh. Normals, colours, flags and transforms need not match, since an edit does not depend on them.
+  lapedit::host::PoseWriter& writer() { return writer_; }
 
   enum class Update {
     Nothing,     ///< no vertex has moved
@@ -108,8 +102,8 @@ class WindowSessions : public QObject {
 
   explicit WindowSessions(QWidget& window);
   void poll();
-  Sessions::iterator find(const LayerSession& session);
-  Sessions::iterator erase(Sessions::iterator known);
+  template <class IsGone>
+  void forgetIf(const IsGone& isGone);
   void endLater(std::unique_ptr<LayerSession> session);
   void forgetDocument(const QObject* document);
   void followProject();

@@ -56,34 +56,18 @@ int checked_choice(const Parameter& parameter, int number) {
 
 /// Reads a parameter's value. @throws EditError for a wrong type, where MeshLab itself would stop at an assertion
 ParameterValue read_value(const Parameter& parameter, const Value& value) {
-  switch (parameter.kind) {
-    case Parameter::Kind::Choice:
-      if (value.isInt()) {
-        return checked_choice(parameter, value.getInt());
-      }
-      break;
-    case Parameter::Kind::Integer:
-      if (value.isInt()) {
-        return value.getInt();
-      }
-      break;
-    case Parameter::Kind::Length:
-    case Parameter::Kind::Real:
-      if (value.isFloat()) {
-        return as_typed(static_cast<float>(value.getFloat()));
-      }
-      break;
-    case Parameter::Kind::Point:
-      if (is_point(value)) {
-        const Point3m point = point_of(value);
-        return Vector3(as_typed(point[0]), as_typed(point[1]), as_typed(point[2]));
-      }
-      break;
-    case Parameter::Kind::Text:
-      if (value.isString()) {
-        return value.getString();
-      }
-      break;
+  if (std::holds_alternative<int>(parameter.standard) && value.isInt()) {
+    return parameter.kind == Parameter::Kind::Choice ? checked_choice(parameter, value.getInt()) : value.getInt();
+  }
+  if (std::holds_alternative<double>(parameter.standard) && value.isFloat()) {
+    return as_typed(static_cast<float>(value.getFloat()));
+  }
+  if (std::holds_alternative<Vector3>(parameter.standard) && is_point(value)) {
+    const Point3m point = point_of(value);
+    return Vector3(as_typed(point[0]), as_typed(point[1]), as_typed(point[2]));
+  }
+  if (std::holds_alternative<QString>(parameter.standard) && value.isString()) {
+    return value.getString();
   }
   refuse(parameter, "is a " + type_of(value).toStdString() + ", which is of the wrong type: correct the script.");
 }

@@ -47,6 +47,11 @@ inline Point3m to_host(const Vector3& point) {
   return {static_cast<Scalarm>(point[0]), static_cast<Scalarm>(point[1]), static_cast<Scalarm>(point[2])};
 }
 
+/// Returns the layer's transform.
+inline Eigen::Matrix4d transform_of(const CMeshO& host) {
+  return Eigen::Map<const Eigen::Matrix<Scalarm, 4, 4, Eigen::RowMajor>>(host.Tr.V()).template cast<double>();
+}
+
 /// Returns the box around all finite vertices.
 Box3m finite_box(const CMeshO& host);
 

@@ -80,25 +80,14 @@ const DocumentLayer& layer_named(const std::vector<DocumentLayer>& layers, const
 }
 
 Affine map_between(const CMeshO& from, const CMeshO& to) {
-  const auto core = [](const CMeshO& mesh) {
-    Eigen::Matrix4d matrix;
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) {
-        matrix(row, column) = static_cast<double>(mesh.Tr.ElementAt(row, column));
-      }
-    }
-    return matrix;
-  };
-  Affine map;
-  if (const Eigen::Matrix4d a = core(from), b = core(to); a != b) {
+  Affine map = Affine::Identity();
+  if (const Eigen::Matrix4d a = transform_of(from), b = transform_of(to); a != b) {
     const Eigen::Matrix4d both = b.inverse() * a;
     if (!both.allFinite()) {
       throw EditError(ErrorCause::BadParameter,
                       "The transform of the current layer has no inverse: reset or freeze its matrix.");
     }
     map.matrix() = both.topRows<3>();
-  } else {
-    map.setIdentity();
   }
   return map;
 }
@@ -120,7 +109,7 @@ ScanReader layer_reader(const std::vector<DocumentLayer>& layers, const CMeshO& 
     if (scan.mesh.faces.rows() == 0) {
       scan.normals.resize(scan.mesh.vertices.rows(), 3);
       for (Eigen::Index v = 0; v < scan.normals.rows(); ++v) {
-        const auto& normal = host.vert[static_cast<std::size_t>(bridged.host_vertex[static_cast<std::size_t>(v)])].cN();
+        const auto& normal = host.vert[bridged.host_vertex[v]].cN();
         scan.normals.row(v) = (map.linear() * to_core(normal)).transpose();
       }
     }

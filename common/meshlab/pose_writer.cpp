@@ -46,8 +46,8 @@ PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adj
   first_normals_.reserve(host_vertex_.size());
   now_.reserve(host_vertex_.size());
   for (const int v : host_vertex_) {
-    first_.push_back(host.vert[static_cast<std::size_t>(v)].cP());
-    first_normals_.push_back(host.vert[static_cast<std::size_t>(v)].cN());
+    first_.push_back(host.vert[v].cP());
+    first_normals_.push_back(host.vert[v].cN());
     now_.push_back({first_.back(), false});
   }
   for (std::size_t f = 0; f < host_faces_; ++f) {
@@ -65,50 +65,50 @@ PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adj
 void PoseWriter::find_affected(const std::vector<int>& vertices) {
   Affected& a = affected_;
   for (const int v : a.touched) {
-    is_touched_[static_cast<std::size_t>(v)] = 0;
+    is_touched_[v] = 0;
   }
   for (const int f : a.around) {
-    is_around_[static_cast<std::size_t>(f)] = 0;
+    is_around_[f] = 0;
   }
   a.vertices = vertices;
   for (const int v : vertices) {
-    is_touched_[static_cast<std::size_t>(v)] = 1;
+    is_touched_[v] = 1;
     for (const int w : adjacency_.neighbours[v]) {
-      is_touched_[static_cast<std::size_t>(w)] = 1;
+      is_touched_[w] = 1;
     }
   }
   // Access in ascending order is the fastest.
   list_flagged(is_touched_, a.touched);
   for (const int v : a.touched) {
     for (const int f : adjacency_.faces[v]) {
-      is_around_[static_cast<std::size_t>(f)] = 1;
+      is_around_[f] = 1;
     }
   }
   list_flagged(is_around_, a.around);
   for (std::size_t i = 0; i < a.around.size(); ++i) {
-    position_[static_cast<std::size_t>(a.around[i])] = static_cast<int>(i);
+    position_[a.around[i]] = static_cast<int>(i);
   }
   a.normals.resize(a.around.size());
   a.angles.clear();
 }
 
 Point3m& PoseWriter::normal_of_vertex(CMeshO& host, int vertex) const {
-  return host.vert[static_cast<std::size_t>(host_vertex_[static_cast<std::size_t>(vertex)])].N();
+  return host.vert[host_vertex_[vertex]].N();
 }
 
 Point3m& PoseWriter::normal_of_face(CMeshO& host, int face) const {
-  return host.face[static_cast<std::size_t>(host_face_[static_cast<std::size_t>(face)])].N();
+  return host.face[host_face_[face]].N();
 }
 
 void PoseWriter::write_places(CMeshO& host, const Points& positions) {
   in_pieces(pool_, static_cast<int>(affected_.vertices.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
-      const auto v = static_cast<std::size_t>(affected_.vertices[static_cast<std::size_t>(i)]);
+      const auto v = static_cast<std::size_t>(affected_.vertices[i]);
       Corner& now = now_[v];
       const Point3m position = to_host(positions.row(i).transpose());
       now.position = position == first_[v] ? first_[v] : position;  // zeros keep their sign
       now.is_away = !same_bits(now.position, first_[v]);
-      host.vert[static_cast<std::size_t>(host_vertex_[v])].P() = now.position;
+      host.vert[host_vertex_[v]].P() = now.position;
     }
   });
 }
@@ -120,17 +120,17 @@ void PoseWriter::write_normals(CMeshO& host, bool settled) {
   a.angles.resize(settled ? a.around.size() : a.angles.size());
   in_pieces(pool_, static_cast<int>(a.around.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
-      const int f = a.around[static_cast<std::size_t>(i)];
-      const auto corner = [&](int k) -> const Corner& { return now_[static_cast<std::size_t>(faces_(f, k))]; };
+      const int f = a.around[i];
+      const auto corner = [&](int k) -> const Corner& { return now_[faces_(f, k)]; };
       const Vector3 p = to_core(corner(0).position), q = to_core(corner(1).position), r = to_core(corner(2).position);
-      FaceNormal& face = a.normals[static_cast<std::size_t>(i)];
+      FaceNormal& face = a.normals[i];
       face.is_away = corner(0).is_away || corner(1).is_away || corner(2).is_away;
       Vector3 unit = Vector3::Zero();
       if (FaceShape shape; settled) {
         face.has_area = measure({p, q, r}, shape);
         if (face.has_area) {
           face.vector = unit = shape.normal;
-          a.angles[static_cast<std::size_t>(i)] = shape.angles;
+          a.angles[i] = shape.angles;
         }
       } else {
         face.vector = (q - p).cross(r - p);
@@ -138,17 +138,16 @@ void PoseWriter::write_normals(CMeshO& host, bool settled) {
         face.has_area = square > 0 && square < kInfinity;
         unit = face.vector * (1 / std::sqrt(square));
       }
-      normal_of_face(host, f) =
-          face.is_away && face.has_area ? to_host(unit) : first_face_normals_[static_cast<std::size_t>(f)];
+      normal_of_face(host, f) = face.is_away && face.has_area ? to_host(unit) : first_face_normals_[f];
     }
   });
   in_pieces(pool_, static_cast<int>(a.touched.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
-      const int v = a.touched[static_cast<std::size_t>(i)];
+      const int v = a.touched[i];
       Vector3 sum = Vector3::Zero();
       bool shows = false;
       for (const int f : adjacency_.faces[v]) {
-        const auto at = static_cast<std::size_t>(position_[static_cast<std::size_t>(f)]);
+        const auto at = static_cast<std::size_t>(position_[f]);
         const FaceNormal& face = a.normals[at];
         shows |= face.is_away;
         if (!settled && face.has_area) {
@@ -162,7 +161,7 @@ void PoseWriter::write_normals(CMeshO& host, bool settled) {
       }
       const double square = sum.squaredNorm();
       const bool has_sum = settled ? sum.norm() > 0 : square > 0 && square < kInfinity;
-      normal_of_vertex(host, v) = !shows || !has_sum ? first_normals_[static_cast<std::size_t>(v)]
+      normal_of_vertex(host, v) = !shows || !has_sum ? first_normals_[v]
                                   : settled          ? to_host(sum)
                                                      : to_host(sum * (1 / std::sqrt(square)));
     }
@@ -176,7 +175,7 @@ bool PoseWriter::has_same_size(const CMeshO& host) const {
 
 bool PoseWriter::is_ours(const CMeshO& host, int vertex) const {
   const auto v = static_cast<std::size_t>(vertex);
-  return same_bits(host.vert[static_cast<std::size_t>(host_vertex_[v])].cP(), now_[v].position);
+  return same_bits(host.vert[host_vertex_[v]].cP(), now_[v].position);
 }
 
 bool PoseWriter::are_ours(const CMeshO& host, const std::vector<int>* vertices) {
@@ -184,7 +183,7 @@ bool PoseWriter::are_ours(const CMeshO& host, const std::vector<int>* vertices) 
   std::atomic<bool> are_ours{true};
   in_pieces(pool_, count, kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
-      if (!is_ours(host, vertices ? (*vertices)[static_cast<std::size_t>(i)] : i)) {
+      if (!is_ours(host, vertices ? (*vertices)[i] : i)) {
         are_ours = false;
         return;
       }
@@ -223,17 +222,17 @@ void PoseWriter::keep_normals(const CMeshO& host) {
   std::vector<char> is_affected(now_.size(), 0);
   for (std::size_t f = 0; f < host_face_.size(); ++f) {
     const auto corners = faces_.row(static_cast<Eigen::Index>(f));
-    if (std::any_of(corners.begin(), corners.end(), [&](int v) { return now_[static_cast<std::size_t>(v)].is_away; })) {
+    if (std::any_of(corners.begin(), corners.end(), [&](int v) { return now_[v].is_away; })) {
       for (const int v : corners) {
-        is_affected[static_cast<std::size_t>(v)] = 1;
+        is_affected[v] = 1;
       }
     } else {
-      first_face_normals_[f] = host.face[static_cast<std::size_t>(host_face_[f])].cN();
+      first_face_normals_[f] = host.face[host_face_[f]].cN();
     }
   }
   for (std::size_t v = 0; v < now_.size(); ++v) {
     if (!is_affected[v]) {
-      first_normals_[v] = host.vert[static_cast<std::size_t>(host_vertex_[v])].cN();
+      first_normals_[v] = host.vert[host_vertex_[v]].cN();
     }
   }
   first_box_ = away_.empty() ? host.bbox : first_box_;
@@ -257,16 +256,15 @@ bool PoseWriter::matches(const CMeshO& host) const {
     return false;
   }
   for (std::size_t v = 0; v < host_vertex_.size(); ++v) {
-    const CVertexO& vertex = host.vert[static_cast<std::size_t>(host_vertex_[v])];
+    const CVertexO& vertex = host.vert[host_vertex_[v]];
     if (vertex.IsD() || !same_bits(vertex.cP(), now_[v].position)) {
       return false;
     }
   }
   for (std::size_t f = 0; f < host_face_.size(); ++f) {
-    const CFaceO& face = host.face[static_cast<std::size_t>(host_face_[f])];
+    const CFaceO& face = host.face[host_face_[f]];
     for (int k = 0; k < 3; ++k) {
-      const auto corner =
-          static_cast<std::size_t>(host_vertex_[static_cast<std::size_t>(faces_(static_cast<Eigen::Index>(f), k))]);
+      const auto corner = static_cast<std::size_t>(host_vertex_[faces_(static_cast<Eigen::Index>(f), k)]);
       if (face.IsD() || vcg::tri::Index(host, face.cV(k)) != corner) {
         return false;
       }

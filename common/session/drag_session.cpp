@@ -28,7 +28,7 @@ DragSession::State DragSession::state() const {
 }
 
 int DragSession::group_of_image(int group) const {
-  return model_.tools.mirrored ? model_.tools.mirrored->source()[static_cast<std::size_t>(group)] : group;
+  return model_.tools.mirrored ? model_.tools.mirrored->source()[group] : group;
 }
 
 const DragMotion* DragSession::motion() const {
@@ -112,51 +112,67 @@ void DragSession::set_settings(const DragSettings& settings, bool passing) {
   if (solver_.in<Loading>() || solver_.in<Dragging>()) {
     model_.settings.edit.detail = before.edit.detail;
   }
-  if (solver_.in<Loading>()) {
-    return;
-  }
-  const bool new_radius = settings.radius != before.radius;
-  const bool new_discs = disc_radius(settings) != disc_radius(before) || settings.falloff != before.falloff;
-  const bool new_settings = settings.padding != before.padding || settings.connect_gap != before.connect_gap ||
-                            settings.pieces != before.pieces || settings.edit != before.edit;
-  const bool closes = solver_.in<Adjusting>() && solver_.in<Adjusting>()->open && !passing;
-  // They change the last step while it is adjustable; the radius only if it is being solved again or has a radius.
-  if (solver_.adjustable() && (solver_.in<Adjusting>() || model_.history.can_undo()) &&
-      (new_settings || closes ||
-       (new_radius &&
-        (solver_.in<Adjusting>() || model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius)))) {
-    solver_.adjust(passing);
-    return;
-  }
-  if (model_.settings.edit.detail != before.edit.detail) {
-    solver_.begin_detail(passing);
-    return;
-  }
-  // The radius applies to regions that were grown by it, also after a step.
   Selection& selection = model_.selection;
-  const bool regrow =
-      new_radius && selection.has_region && !selection.by_hand && selection.region.kind != RegionSpec::Kind::Component;
-  if (regrow) {
-    selection = with_radius(solver_.surface(), selection);
-  } else if (new_discs && !solver_.adjustable()) {
-    selection = with_discs(solver_.surface(), selection);
-  } else if (!new_settings) {
-    return;
-  }
-  if (regrow && solver_.in<Picked>()) {
-    solver_.rest(false);
+  switch (effect_of_settings(before, passing)) {
+    case Effect::Nothing:
+      return;
+    case Effect::LastStep:
+      return solver_.adjust(passing);
+    case Effect::Detail:
+      return solver_.begin_detail(passing);
+    case Effect::Radius:
+      selection = with_radius(solver_.surface(), selection);
+      if (solver_.in<Picked>()) {
+        solver_.rest(false);
+      }
+      break;
+    case Effect::Discs:
+      selection = with_discs(solver_.surface(), selection);
+      break;
+    case Effect::Options:
+      break;
   }
   selection = with_padding(std::move(selection), settings);
   if (selection.groups.empty()) {
     return;
   }
-  const bool was_in_progress = solver_.in_progress();
+  const bool was_dragging = solver_.in<Dragging>() != nullptr;
   solver_.prepare();
   if (solver_.in<Dragging>()) {
     solver_.request();
-  } else if (was_in_progress) {
+  } else if (was_dragging) {
     mouse_.forget();
   }
+}
+
+/// Returns what the settings of the model affect, which were others before.
+DragSession::Effect DragSession::effect_of_settings(const DragSettings& before, bool passing) const {
+  const DragSettings& now = model_.settings;
+  const bool new_radius = now.radius != before.radius;
+  const bool new_discs = disc_radius(now) != disc_radius(before) || now.falloff != before.falloff;
+  const bool new_options = now.padding != before.padding || now.connect_gap != before.connect_gap ||
+                           now.pieces != before.pieces || now.edit != before.edit;
+  if (solver_.in<Loading>()) {
+    return Effect::Nothing;
+  }
+  // The radius affects the last step only if it is being solved again or has a radius.
+  if (const Adjusting* const adjusting = solver_.in<Adjusting>()) {
+    return new_options || new_radius || (adjusting->open && !passing) ? Effect::LastStep : Effect::Nothing;
+  }
+  if (solver_.adjustable() && model_.history.can_undo() &&
+      (new_options || (new_radius && model_.history.steps().back().step.region.kind == RegionSpec::Kind::Radius))) {
+    return Effect::LastStep;
+  }
+  if (now.edit.detail != before.edit.detail) {
+    return Effect::Detail;
+  }
+  // It applies to regions that were grown by it, also after a step.
+  const Selection& selection = model_.selection;
+  if (new_radius && selection.has_region && !selection.by_hand &&
+      selection.region.kind != RegionSpec::Kind::Component) {
+    return Effect::Radius;
+  }
+  return new_discs && !solver_.adjustable() ? Effect::Discs : new_options ? Effect::Options : Effect::Nothing;
 }
 
 DragSettings DragSession::settings_at_cursor() const {
@@ -249,7 +265,7 @@ void DragSession::set_last_step(const HandleTransform& motion, double fraction, 
 
 std::string DragSession::warning() const {
   const bool of_what_is_seen = solver_.in<Dragging>() || solver_.adjustable();
-  return of_what_is_seen && model_.refusal.empty() ? solver_.figures().advice : std::string();
+  return of_what_is_seen && model_.refusal.empty() ? solver_.figures().advice() : std::string();
 }
 
 /// Cancels a drag in progress. @return whether region and handles may change now
@@ -277,19 +293,12 @@ bool DragSession::change_region(const Choose& choose) {
   return true;
 }
 
-void DragSession::set_region(std::vector<int> vertices) {
+void DragSession::set_painted(BrushTarget target, std::vector<int> vertices) {
   model_.weld.to_representatives(vertices);
-  change_region([&](const Surface& s, const Selection& now) { return with_region(s, now, std::move(vertices)); });
-}
-
-void DragSession::set_anchors(std::vector<int> vertices) {
-  model_.weld.to_representatives(vertices);
-  change_region([&](const Surface& s, const Selection& now) { return with_anchors(s, now, std::move(vertices)); });
-}
-
-void DragSession::set_handle(std::vector<int> vertices) {
-  model_.weld.to_representatives(vertices);
-  change_region([&](const Surface& s, const Selection& now) { return with_handle(s, now, std::move(vertices)); });
+  const auto choose = target == BrushTarget::Region   ? with_region
+                      : target == BrushTarget::Handle ? with_handle
+                                                      : with_anchors;
+  change_region([&](const Surface& s, const Selection& now) { return choose(s, now, std::move(vertices)); });
 }
 
 void DragSession::change_painted(PaintChange change) {
@@ -495,7 +504,7 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
   }
   switch (key) {
     case DragKey::Apply:
-      solver_.moving() ? apply() : void(model_.refusal = messages::kNoMotion);
+      solver_.moving() ? mouse_.release_motion() : void(model_.refusal = messages::kNoMotion);
       return true;
     case DragKey::Pivot:
       set(&Tools::pivot, model_.tools.pivot == Pivot::Centroid ? Pivot::Point
@@ -559,13 +568,6 @@ bool DragSession::begin_by_key(MotionKind kind, const Cursor& cursor) {
   }
   return solver_.begin(kind, solver_.in<Dragging>() ? solver_.in<Dragging>()->motion.grab() : model_.center(), cursor,
                        false);
-}
-
-void DragSession::apply() {
-  model_.refusal.clear();
-  if (solver_.moving()) {
-    mouse_.release_motion();
-  }
 }
 
 void DragSession::cancel() {

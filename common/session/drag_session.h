@@ -154,18 +154,16 @@ class DragSession {
 
   /// Handles a key; kKeyHelp describes them. @return whether the key has a meaning now
   bool key(DragKey key, const Cursor& cursor = {});
-  void apply();   ///< applies the drag in progress
   void cancel();  ///< cancels the drag in progress; no bit of the mesh has changed
 
   // Region -----------------------------------------------------------------------------------------------------------
 
-  void set_region(std::vector<int> vertices);   ///< any order; keeps the handles inside it
-  void set_anchors(std::vector<int> vertices);  ///< replaces the anchor band of the region
-  void set_handle(std::vector<int> vertices);   ///< replaces the active handle
-  void change_painted(PaintChange change);      ///< of the brush's target; one action of timeline()
-  void whole_component();                       ///< the connected components of the handles
-  void clear();                                 ///< no region, no handle, no fixed vertices
-  void keep_painted();                          ///< no handle; only a painted region, and the fixed vertices
+  /// Makes vertices, in any order, the region, with the handles inside it, the active handle, or the region's anchors.
+  void set_painted(BrushTarget target, std::vector<int> vertices);
+  void change_painted(PaintChange change);  ///< of the brush's target; one action of timeline()
+  void whole_component();                   ///< the connected components of the handles
+  void clear();                             ///< no region, no handle, no fixed vertices
+  void keep_painted();                      ///< no handle; only a painted region, and the fixed vertices
   Inheritance inheritance() const;
   /// Continues an earlier session, before anything is done: takes over settings and switches, if the faces are the same
   /// what was painted, and for saved() the steps.
@@ -205,6 +203,11 @@ class DragSession {
   void wait();
 
  private:
+  /// What a change of settings affects: the last step, a step that changes the detail, region and discs, the discs, or
+  /// the preparation alone.
+  enum class Effect { Nothing, LastStep, Detail, Radius, Discs, Options };
+
+  Effect effect_of_settings(const DragSettings& before, bool passing) const;
   bool settle_down();
   void set_mirror(const std::optional<MirrorPlane>& plane);
   std::string next_click() const;

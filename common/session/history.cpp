@@ -139,11 +139,6 @@ const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Poin
   return steps_.back();
 }
 
-const AppliedStep& History::adjust(EditStep step, std::vector<int> vertices, Points after, StepPath path) {
-  undo();
-  return apply(std::move(step), std::move(vertices), std::move(after), std::move(path));
-}
-
 void History::set_faces(Faces faces) {
   mesh_ = std::make_shared<const TriangleMesh>(TriangleMesh{mesh_->vertices, std::move(faces)});
   spares_ = std::make_shared<Spares>(*mesh_);

@@ -53,8 +53,6 @@ class History {
   /// Applies a step that was solved, and deletes undone steps. @param after  one row per vertex
   /// @param path  none: the step takes all of it
   const AppliedStep& apply(EditStep step, std::vector<int> vertices, Points after, std::optional<StepPath> path = {});
-  /// Replaces the last step by this one.
-  const AppliedStep& adjust(EditStep step, std::vector<int> vertices, Points after, StepPath path);
   /// Undoes the last step. There has to be one. @return the step
   const AppliedStep& undo();
   /// Redoes the step that was undone last. There has to be one. @return the step

@@ -76,34 +76,31 @@ HoverOutlines HoverSearch::outlines(const HoverQuery& query) {
     found.radius = std::clamp(neck > 0 ? kAround * neck : query.radius, query.smallest, query.largest);
     found.disc_radius *= found.radius;
   }
-  outline(query.vertex, found, query.with_region);
+  const double radius = query.with_region ? found.radius : 0;
+  found.is_whole = outline(query.vertex, radius, found.disc_radius, found);
   const Vector3 position = query.mirror
                                ? Vector3(reflection(*query.mirror) * mesh_.vertices.row(query.vertex).transpose())
                                : Vector3::Zero();
   const int image = query.mirror && position.allFinite() ? tree_.nearest(position, near_) : -1;
   if (image >= 0) {
-    HoverOutlines other;
-    other.radius = found.radius;
-    other.disc_radius = found.disc_radius;
-    outline(image, other, query.with_region);
-    found.mirrored_region = std::move(other.region);
-    found.mirrored_disc = std::move(other.disc);
+    outline(image, radius, found.disc_radius, found.mirrored);
     found.mirrored_point = mesh_.vertices.row(image).transpose();
   }
   return found;
 }
 
-void HoverSearch::outline(int vertex, HoverOutlines& found, bool with_region) {
-  const double farthest = with_region ? found.radius : found.disc_radius;
+/// @param radius  0: the disc alone. @return whether the search came to its end
+bool HoverSearch::outline(int vertex, double radius, double disc_radius, Outlines& found) {
+  const double farthest = radius > 0 ? radius : disc_radius;
   const std::vector<int>& reached = search_.run({vertex}, farthest, nullptr, kMostVertices);
-  found.is_whole = reached.size() < kMostVertices;
-  const double seen = found.is_whole ? farthest : search_.distance(reached.back());
-  if (with_region && found.is_whole) {
-    distance_contour(mesh_, adjacency_, search_, found.radius, reached, ends_, found.region);
+  const bool is_whole = reached.size() < kMostVertices;
+  if (radius > 0 && is_whole) {
+    distance_contour(mesh_, adjacency_, search_, radius, reached, ends_, found.region);
   }
-  if (found.disc_radius > 0 && found.disc_radius <= seen) {
-    distance_contour(mesh_, adjacency_, search_, found.disc_radius, reached, ends_, found.disc);
+  if (disc_radius > 0 && disc_radius <= (is_whole ? farthest : search_.distance(reached.back()))) {
+    distance_contour(mesh_, adjacency_, search_, disc_radius, reached, ends_, found.disc);
   }
+  return is_whole;
 }
 
 void HoverSearch::path(int from, int to, Points& positions) {

@@ -17,11 +17,15 @@
 
 namespace lapedit {
 
-/// What a press would take about a vertex. Outlines are line segments, two rows each, on the surface.
-struct HoverOutlines {
+/// Line segments on the surface, two rows each; empty where nothing is taken.
+struct Outlines {
+  Points region, disc;
+};
+
+/// What a press would take about a vertex.
+struct HoverOutlines : Outlines {
   double radius = 0, disc_radius = 0;     ///< model units; a disc of 0 is one vertex; radius 0: not found yet
-  Points region, disc;                    ///< empty where nothing is taken
-  Points mirrored_region, mirrored_disc;  ///< the same on the other side of a plane
+  Outlines mirrored;                      ///< on the other side of a plane
   std::optional<Vector3> mirrored_point;  ///< the middle of the disc there
   bool is_whole = true;                   ///< whether the search came to its end
 };
@@ -79,7 +83,7 @@ class HoverSearch {
   static constexpr std::size_t kMostVertices = 60000, kMostOnPath = 20000;
 
  private:
-  void outline(int vertex, HoverOutlines& found, bool with_region);
+  bool outline(int vertex, double radius, double disc_radius, Outlines& found);
 
   const TriangleMesh& mesh_;
   const Adjacency& adjacency_;

@@ -6,11 +6,9 @@ namespace lapedit::messages {
 // What the next click does -------------------------------------------------------------------------------------------
 
 std::string dragging(const DragMotion& motion, bool by_button, bool full_frames) {
-  const char* const pattern =
-      by_button ? "%s: release to apply, Esc cancels; X Y Z N lock an axis, Ctrl moves in steps, digits set the amount."
-                : "%s: click or press Return to apply, Esc cancels; X Y Z N lock an axis, Ctrl moves in steps, digits "
-                  "set the amount.";
-  const std::string text = format_text(pattern, motion.text().c_str());
+  const std::string text =
+      format_text("%s: %s to apply, Esc cancels; X Y Z N lock an axis, Ctrl moves in steps, digits set the amount.",
+                  motion.text().c_str(), by_button ? "release" : "click or press Return");
   return full_frames ? text + " With these rotations each frame is a full solution." : text;
 }
 
@@ -19,18 +17,15 @@ std::string dragging(const DragMotion& motion, bool by_button, bool full_frames)
 std::string steps_lost(std::size_t steps) {
   return format_text(
       "The mesh was changed by another tool or filter: %zu %s cannot be undone any more. Save... writes %s until the "
-      "next "
-      "step.",
+      "next step.",
       steps, steps == 1 ? "step" : "steps", steps == 1 ? "it" : "them");
 }
 
 std::string single_vertex(MotionKind kind, int vertex) {
-  const char* const pattern = kind == MotionKind::Rotate
-                                  ? "Turning needs a handle of several vertices, and this one is vertex %d alone: set "
-                                    "a handle size or add vertices with Ctrl-clicks."
-                                  : "Scaling needs a handle of several vertices, and this one is vertex %d alone: set "
-                                    "a handle size or add vertices with Ctrl-clicks.";
-  return format_text(pattern, vertex);
+  return format_text(
+      "%s needs a handle of several vertices, and this one is vertex %d alone: set a handle size or add vertices with "
+      "Ctrl-clicks.",
+      kind == MotionKind::Rotate ? "Turning" : "Scaling", vertex);
 }
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
@@ -52,13 +47,11 @@ std::string saved_step(const EditStep& step, const std::vector<int>& moved) {
 
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
                          double prepare_ms, double solve_ms) {
-  const char* const pattern =
-      handle.size() == 1
-          ? "step %zu: %s, handle of %zu vertex (%d), region of %d vertices, prepared in %.1f ms, solved in %.1f ms"
-          : "step %zu: %s, handle of %zu vertices (the lowest is %d), region of %d vertices, prepared in %.1f ms, "
-            "solved in %.1f ms";
-  return format_text(pattern, number, motion.text().c_str(), handle.size(), handle.front(), region_size, prepare_ms,
-                     solve_ms);
+  const std::string vertices = handle.size() == 1
+                                   ? format_text("1 vertex (%d)", handle.front())
+                                   : format_text("%zu vertices (the lowest is %d)", handle.size(), handle.front());
+  return format_text("step %zu: %s, handle of %s, region of %d vertices, prepared in %.1f ms, solved in %.1f ms",
+                     number, motion.text().c_str(), vertices.c_str(), region_size, prepare_ms, solve_ms);
 }
 
 std::string step_adjusted(std::size_t number, bool is_new, int region_size, double prepare_ms, double solve_ms) {

@@ -173,7 +173,7 @@ Choice with_handle(const Surface& surface, const Selection& selection, std::vect
   }
   Selection after = selection;
   if (selection.active >= 0) {
-    after.groups[static_cast<std::size_t>(after.active)].clear();
+    after.groups[after.active].clear();
   }
   return handle_brushed(surface, after, vertices, true);
 }
@@ -182,8 +182,8 @@ Choice with_painted(const Surface& surface, const Selection& selection, BrushTar
   const std::vector<int> region = region_of(surface, selection);
   std::vector<int> painted = target == BrushTarget::Region    ? region
                              : target == BrushTarget::Anchors ? selection.held
-                             : selection.active >= 0 ? selection.groups[static_cast<std::size_t>(selection.active)]
-                                                     : std::vector<int>();
+                             : selection.active >= 0          ? selection.groups[selection.active]
+                                                              : std::vector<int>();
   if (painted.empty() && change != PaintChange::Invert) {
     return Refusal{messages::kNothingPainted};
   }

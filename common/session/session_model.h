@@ -176,7 +176,7 @@ struct SessionModel {
     return tools.mirrored ? tools.mirrored->groups() : groups();
   }
   bool has_active_group() const { return !groups().empty() && selection.active >= 0; }
-  const std::vector<int>& active_group() const { return groups()[static_cast<std::size_t>(selection.active)]; }
+  const std::vector<int>& active_group() const { return groups()[selection.active]; }
   Vector3 center() const;          ///< of all groups that move. Allocates nothing
   Vector3 pivot_position() const;  ///< the centre of rotation and scale
   std::optional<Gizmo> gizmo(const Camera& view) const;

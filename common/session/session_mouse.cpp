@@ -163,7 +163,7 @@ bool SessionMouse::press_beneath(const Cursor& cursor, PressModifiers modifiers)
                      cursor, modifiers};
     pressed_->on_handle = modifiers.none();
     pressed_->group = grabbed;
-    const HandleCurve& curve = model_.selection.discs.curves[static_cast<std::size_t>(grabbed)];
+    const HandleCurve& curve = model_.selection.discs.curves[grabbed];
     pressed_->curve_point = modifiers.none() ? curve_point_at(model_.mesh(), curve, cursor) : -1;
     pressed_->moves = turns() && !modifiers.none();
     if (turns() && modifiers.none() && pressed_->curve_point < 0) {
@@ -399,7 +399,7 @@ void SessionMouse::preview_curve(HoverSearch& search, const SurfaceHit& hit, con
   search.path(next ? selection.curve_end : -1, hit.vertex, preview.path);
   preview.curve_point.reset();
   if (preview.kind == HoverPreview::Kind::Group && selection.along.empty()) {
-    const HandleCurve& curve = selection.discs.curves[static_cast<std::size_t>(preview.group)];
+    const HandleCurve& curve = selection.discs.curves[preview.group];
     if (const int point = curve_point_at(model_.mesh(), curve, cursor); point >= 0) {
       preview.curve_point = model_.mesh().vertices.row(curve.path[curve.points[point]]).transpose();
     }

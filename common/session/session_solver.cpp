@@ -207,7 +207,7 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
 
 void SessionSolver::bend(int point) {
   Dragging& drag = std::get<Dragging>(phase_);
-  const HandleCurve& curve = model_.selection.discs.curves[static_cast<std::size_t>(model_.selection.active)];
+  const HandleCurve& curve = model_.selection.discs.curves[model_.selection.active];
   drag.bend = bend_weights(model_.mesh(), model_.active_group(), curve, point);
   drag.mirrored_bend.assign(drag.bend.size(), 0);
   const std::optional<MirrorPlane>& plane = model_.tools.mirror;
@@ -281,9 +281,8 @@ void SessionSolver::release() {
 }
 
 void SessionSolver::discard() {
-  figures_.solve_ms = figures_.handle_error = figures_.largest_stretch = std::nullopt;
-  figures_.advice.clear();
-  figures_.folds.clear();
+  figures_.solve_ms = std::nullopt;
+  figures_.report = nullptr;
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Adjusting>();  // the worker has prepared another region than the selection's
   if (const Adjusting* const adjusting = in<Adjusting>(); adjusting && adjusting->region) {
@@ -312,7 +311,7 @@ std::optional<LastStep> SessionSolver::last_step() const {
   if (path.moved.empty()) {
     return std::nullopt;
   }
-  const HandleGroup& handle = path.whole[static_cast<std::size_t>(path.moved.back())];
+  const HandleGroup& handle = path.whole[path.moved.back()];
   if (handle.transform.matrix) {
     return std::nullopt;
   }
@@ -371,12 +370,12 @@ void SessionSolver::adjust_path(const HandleTransform& motion, double fraction, 
   if (moved.size() > 1 && !whole.center && (whole.degrees != 0 || whole.scale != 1)) {
     std::vector<int> vertices;
     for (const int g : moved) {
-      vertices = united(vertices, adjusting.path.whole[static_cast<std::size_t>(g)].vertices);
+      vertices = united(vertices, adjusting.path.whole[g].vertices);
     }
     whole.center = centroid(adjusting.base->vertices, vertices);
   }
   for (const int g : moved) {
-    HandleGroup& handle = adjusting.path.whole[static_cast<std::size_t>(g)];
+    HandleGroup& handle = adjusting.path.whole[g];
     if (handle.targets.empty()) {
       handle.transform = whole;
     }
@@ -451,7 +450,7 @@ void SessionSolver::commit_drag() {
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
                                     model_.shown.region()->size(), figures_.prepare_ms.value_or(0),
                                     figures_.solve_ms.value_or(0)) +
-             (figures_.advice.empty() ? "" : "; " + figures_.advice));
+             (figures_.advice().empty() ? "" : "; " + figures_.advice()));
   progress();
 }
 
@@ -460,14 +459,15 @@ void SessionSolver::commit_adjusted() {
   History& history = model_.history;
   const std::shared_ptr<const Region> region = adjusting.region;
   model_.shown.await(nullptr);
+  std::optional<StepPath> path;
   if (!adjusting.is_new) {
-    model_.show(history.steps().back().vertices, history.steps().back().before, false);
+    const AppliedStep& former = history.undo();
+    model_.show(former.vertices, former.before, false);
+    path = std::move(adjusting.path);
   }
   EditResult pose = model_.with_others(region->mesh_vertex, solved_.positions);
-  const AppliedStep& applied = adjusting.is_new
-                                   ? history.apply(adjusting.step, std::move(pose.vertices), std::move(pose.positions))
-                                   : history.adjust(adjusting.step, std::move(pose.vertices), std::move(pose.positions),
-                                                    std::move(adjusting.path));
+  const AppliedStep& applied =
+      history.apply(adjusting.step, std::move(pose.vertices), std::move(pose.positions), std::move(path));
   if (adjusting.is_new) {
     model_.timeline.add({messages::saved_step(adjusting.step, {}), true, model_.selection});
   }
@@ -601,10 +601,7 @@ SessionSolver::Response SessionSolver::poll() {
     figures_.prepare_ms = update.prepare_ms;
   }
   if (update.report) {
-    figures_.handle_error = update.report->handle_residual;
-    figures_.largest_stretch = update.report->stretch_max;
-    figures_.advice = update.report->advice();
-    figures_.folds = update.report->causes.folds;
+    figures_.report = update.report;
   }
   if (update.pose) {
     step_done = take_pose();

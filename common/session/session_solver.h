@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <functional>
 #include <limits>
@@ -78,13 +77,12 @@ struct DragFigures {
   int pieces = 0;  ///< number of small pieces that move with the region
   // Empty while the region is being prepared, or before it has a pose.
   std::optional<double> prepare_ms;
-  std::optional<double> solve_ms;         ///< of the last pose
-  std::optional<double> handle_error;     ///< largest distance of a handle vertex from its target, of the last report
-  std::optional<double> largest_stretch;  ///< of an edge, new over old length minus 1, of the last report
-  std::string advice;                     ///< of the last report; empty: none
-  std::vector<std::array<int, 3>> folds;  ///< of the last report: mesh vertices of folded triangles
-  bool full_frames = false;               ///< each frame of a drag is a full solution
-  int steps = 0;                          ///< applied
+  std::optional<double> solve_ms;            ///< of the last pose
+  std::shared_ptr<const EditReport> report;  ///< the last one; null: none
+  bool full_frames = false;                  ///< each frame of a drag is a full solution
+  int steps = 0;                             ///< applied
+
+  std::string advice() const { return report ? report->advice() : std::string(); }
 };
 
 /// The step applied last, while it may still be changed.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <list>
 #include <memory>
 #include <optional>
@@ -16,10 +17,26 @@ namespace lapedit {
 class SnapTargets {
  public:
   /// O(faces log faces)
-  explicit SnapTargets(std::vector<TriangleMesh> surfaces);
+  explicit SnapTargets(std::vector<TriangleMesh> surfaces) {
+    for (TriangleMesh& mesh : surfaces) {
+      surfaces_.emplace_back(std::move(mesh));
+    }
+  }
 
   /// Returns the first point of a surface under a pixel, none if there is none. Allocates nothing.
-  std::optional<Vector3> at(const Camera& view, const Vector2& pixel) const;
+  std::optional<Vector3> at(const Camera& view, const Vector2& pixel) const {
+    std::optional<Vector3> found;
+    double least = std::numeric_limits<double>::infinity();
+    const Ray ray = view.ray(pixel);
+    for (const Surface& surface : surfaces_) {
+      const std::optional<SurfaceHit> hit = surface.faces.first_hit(ray);
+      if (const double far = hit ? (hit->point - ray.origin).squaredNorm() : least; far < least) {
+        least = far;
+        found = hit->point;
+      }
+    }
+    return found;
+  }
 
  private:
   struct Surface {

@@ -117,382 +117,343 @@ struct SolverThread::Impl {
   std::atomic<bool> prepared{false};  // the background's job has a system or an error
   JoinedThread background;
 
-  void discard();
-  template <class Change>
-  void replace_request(const Change& change);
-  void run();
   bool current() const { return work.solver && work.generation == generation; }
   bool usable() const { return current() && work.solver->system(); }
   bool has_frames() const { return current() && work.solver->has_frames(); }
   bool is_preview() const { return remaining == Remaining::Pose || remaining == Remaining::Passes; }
   bool answerable() const { return request.solve && (usable() || (has_frames() && !(request.last && request.shown))); }
   bool is_stale() const { return (work.solver || work.system) && !current() && !request.prepare; }
+  bool is_busy() const { return working || is_preview() || preparing || request.prepare || request.apply; }
   bool has_work() const {
     return request.quit || request.prepare || request.apply || prepared || is_stale() || answerable();
   }
-  bool wait_for_work(std::unique_lock<std::mutex>& lock);
-  void settle(std::unique_lock<std::mutex>& lock);
-  void answer_next(std::unique_lock<std::mutex>& lock);
-  Progress progress_of(int mine);
 
-  // Preparing.
-  void prepare(const PrepareTask& task, int mine);
-  void prepare_in_background();
-  void take_prepared(std::unique_lock<std::mutex>& lock);
-  void make_cells(StepSolver& solver);
-  void publish_ready(int mine, double prepare_ms);
-
-  // Posing.
-  void pose_cells(int mine, bool last);
-  bool pose_frame();
-  void solve(int mine, bool last);
-  void publish_pose(int mine, int serial, Remaining then, const std::shared_ptr<const EditReport>& report = nullptr);
+  /// Discards earlier requests; `change` sets the new one.
   template <class Change>
-  void publish(int mine, const Change& change);
-};
-
-/// Discards earlier requests; `change` sets the new one.
-template <class Change>
-void SolverThread::Impl::replace_request(const Change& change) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex);
-    discard();
-    change(request);
-  }
-  requested.notify_all();
-}
-
-/// Discards all earlier requests. Call it under the mutex.
-void SolverThread::Impl::discard() {
-  ++generation;
-  request.prepare.reset();
-  request.apply.reset();
-  request.solve = request.has_region = false;
-  remaining = Remaining::Nothing;
-  preparing = false;
-  response.update = SolverUpdate();
-  response.is_new = false;
-  progress = 0;
-  stage = "";
-}
-
-template <class Change>
-void SolverThread::Impl::publish(int mine, const Change& change) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex);
-    if (generation != mine) {
-      return;
+  void replace_request(const Change& change) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      discard();
+      change(request);
     }
-    change();
-    response.is_new = true;
+    requested.notify_all();
   }
-  responded.notify_all();
-  if (wake) {
-    wake();
-  }
-}
 
-Progress SolverThread::Impl::progress_of(int mine) {
-  return [this, mine](double fraction, const char* name) {
+  /// Discards all earlier requests. Call it under the mutex.
+  void discard() {
+    ++generation;
+    request.prepare.reset();
+    request.apply.reset();
+    request.solve = request.has_region = false;
+    remaining = Remaining::Nothing;
+    preparing = false;
+    response.update = SolverUpdate();
+    response.is_new = false;
+    progress = 0;
+    stage = "";
+  }
+
+  template <class Change>
+  void publish(int mine, const Change& change) {
     {
       const std::lock_guard<std::mutex> lock(mutex);
       if (generation != mine) {
-        return false;
+        return;
       }
-      if (progress == fraction && stage == name) {
-        return true;
-      }
-      progress = fraction;
-      stage = name;
+      change();
+      response.is_new = true;
     }
+    responded.notify_all();
     if (wake) {
       wake();
     }
-    return true;
-  };
-}
+  }
 
-void SolverThread::Impl::publish_ready(int mine, double prepare_ms) {
-  work.system = work.solver->system();
-  publish(mine, [&] {
-    SolverUpdate& update = response.update;
-    update.preview = update.ready = true;
-    update.prepare_ms = prepare_ms;
-    update.full_frames = !has_frames();
-  });
-}
+  Progress progress_of(int mine) {
+    return [this, mine](double fraction, const char* name) {
+      {
+        const std::lock_guard<std::mutex> lock(mutex);
+        if (generation != mine) {
+          return false;
+        }
+        if (progress == fraction && stage == name) {
+          return true;
+        }
+        progress = fraction;
+        stage = name;
+      }
+      if (wake) {
+        wake();
+      }
+      return true;
+    };
+  }
 
-/// Makes the cells. Ignores an error if only frames need cells, since poses are possible without them.
-void SolverThread::Impl::make_cells(StepSolver& solver) {
-  try {
-    solver.make_cells();
-  } catch (const EditError& error) {
-    if (error.cause() == ErrorCause::Cancelled || solver.settings().method == EditMethod::Default) {
-      throw;
+  void publish_ready(int mine, double prepare_ms) {
+    work.system = work.solver->system();
+    publish(mine, [&] {
+      SolverUpdate& update = response.update;
+      update.preview = update.ready = true;
+      update.prepare_ms = prepare_ms;
+      update.full_frames = !has_frames();
+    });
+  }
+
+  /// Makes the cells. Ignores an error if only frames need cells, since poses are possible without them.
+  void make_cells(StepSolver& solver) {
+    try {
+      solver.make_cells();
+    } catch (const EditError& error) {
+      if (error.cause() == ErrorCause::Cancelled || solver.settings().method == EditMethod::Default) {
+        throw;
+      }
     }
   }
-}
 
-/// Makes a region and its cells. The background thread makes the system of a large region.
-void SolverThread::Impl::prepare(const PrepareTask& task, int mine) {
-  const Stopwatch watch;
-  const Progress progress_here = progress_of(mine);
-  const ProgressScope scope(progress_here);
-  work.next_job.reset();
-  validate(task.settings);
-  report_progress(0, "region");
-  const FoundRegion found = find_region(*task.mesh, *task.adjacency, task.region, task.groups, task.weights);
-  publish(mine, [&] { response.update.region = found.region; });
-  const auto solver =
-      std::make_shared<StepSolver>(*task.mesh, found, task.settings, StepOptions{task.scalar, task.mirror});
-  const bool is_large = found.region->size() >= kPreviewFrom;
-  if (is_large || task.settings.method == EditMethod::Linear) {
-    make_cells(*solver);
-  }
-  if (!is_large) {
-    solver->prepare(*task.mesh, work.system.get());
-    work.solver = solver;
-    work.generation = mine;
-    publish_ready(mine, watch.elapsed());
-    return;
-  }
-  work.solver = solver;
-  work.generation = mine;
-  if (solver->has_frames()) {
-    publish(mine, [&] { response.update.preview = true; });
-  }
-  work.next_job = std::make_shared<Job>(Job{solver, task.mesh, watch, mine});
-  {
-    const std::lock_guard<std::mutex> lock(mutex);
-    preparing = generation == mine;
-  }
-  prepare_in_background();
-}
-
-/// Gives the background its next job as soon as it is idle.
-void SolverThread::Impl::prepare_in_background() {
-  if (work.next_job && work.next_job->generation != generation) {
-    work.next_job.reset();  // discarded meanwhile
-  }
-  if (work.job || !work.next_job) {
-    return;
-  }
-  work.job = std::exchange(work.next_job, nullptr);
-  work.job->previous = std::move(work.system);
-  const auto make = [this, job = work.job] {
-    const Progress progress_here = progress_of(job->generation);
-    const ProgressScope scope(progress_here);
-    job->error = message_of([&] { job->system = job->solver->make_system(*job->mesh, job->previous.get()); });
-    {
-      const std::lock_guard<std::mutex> lock(mutex);  // Prevents a lost wake-up.
-      prepared = true;
-    }
-    requested.notify_all();
-  };
-  try {
-    background = JoinedThread(make);
-  } catch (const std::system_error&) {  // no thread is available
-    make();
-  }
-}
-
-/// Takes the background's result; later frames use it.
-void SolverThread::Impl::take_prepared(std::unique_lock<std::mutex>& lock) {
-  const std::shared_ptr<Job> job = std::move(work.job);
-  const int mine = job->generation;
-  prepared = false;
-  lock.unlock();
-  work.system = job->system;
-  job->previous.reset();
-  if (generation == mine && job->error.empty()) {
-    job->solver->take(work.system);
-    publish_ready(mine, job->watch.elapsed());
-  } else if (generation == mine) {
-    publish(mine, [&] { response.update.error = job->error; });
-    work.solver.reset();
-  }
-  prepare_in_background();
-  lock.lock();
-  if (generation == mine) {
-    preparing = false;
-    if (!job->error.empty()) {
-      request.solve = request.has_region = false;
-      remaining = Remaining::Nothing;
-    }
-  }
-}
-
-void SolverThread::Impl::publish_pose(int mine, int serial, Remaining then,
-                                      const std::shared_ptr<const EditReport>& report) {
-  work.pose.serial = serial;
-  publish(mine, [&] {
-    remaining = then;
-    std::swap(response.pose, work.pose);
-    response.update.pose = true;
-    response.update.report = report ? report : response.update.report;
-  });
-}
-
-/// Publishes a pose of the cells, before there is a system. In response to a final request it has the serial number
-/// before that of the request, so that it does not count as the final pose.
-void SolverThread::Impl::pose_cells(int mine, bool last) {
-  const Stopwatch watch;
-  try {
-    work.solver->frame(work.maps, work.pose.positions);
-  } catch (const std::exception&) {
-    if (last) {
-      return;  // the full pose will report it
-    }
-    throw;
-  }
-  work.pose.solve_ms = watch.elapsed();
-  publish_pose(mine, last ? work.serial - 1 : work.serial, Remaining::Pose);
-}
-
-/// Computes a frame. @return false if only a full pose can respond to these motions
-bool SolverThread::Impl::pose_frame() {
-  if (!has_frames()) {
-    return false;
-  }
-  try {
-    work.solver->frame(work.maps, work.pose.positions);
-  } catch (const EditError& error) {
-    if (error.cause() != ErrorCause::NotFinite) {
-      throw;
-    }
-    return false;  // coordinates are too large: the full pose will report it
-  }
-  return true;
-}
-
-/// Publishes the exact pose with its report, or a frame, whose error is invisible. A newer request does not end it;
-/// otherwise requests that come faster than poses would leave none.
-void SolverThread::Impl::solve(int mine, bool last) {
-  const Stopwatch watch;
-  const Progress keep_going = [this, mine](double, const char*) { return generation == mine; };
-  const bool is_frame = !last && pose_frame();
-  const ProgressScope scope(keep_going);
-  if (!is_frame) {
-    work.pose.positions = work.solver->pose(work.maps);
-  }
-  work.pose.solve_ms = watch.elapsed();
-  const auto report = last ? std::make_shared<const EditReport>(work.solver->report()) : nullptr;
-  publish_pose(mine, work.serial, is_frame ? Remaining::Pose : report ? Remaining::Nothing : Remaining::Report, report);
-}
-
-/// Waits until there is work. @return false if no request came during the pause, so that the last pose can be completed
-bool SolverThread::Impl::wait_for_work(std::unique_lock<std::mutex>& lock) {
-  const auto ready = [this] { return has_work(); };
-  if (remaining != Remaining::Nothing && usable()) {
-    const Clock::duration pause = remaining == Remaining::Passes
-                                      ? Clock::duration()
-                                      : std::clamp<Clock::duration>(2 * request.apart, kPause, kLongestPause);
-    return requested.wait_for(lock, pause, ready);
-  }
-  requested.wait(lock, ready);
-  return true;
-}
-
-/// Completes the last pose, one stage per call: its passes, the last of which is the full pose, then, after another
-/// pause, its report.
-void SolverThread::Impl::settle(std::unique_lock<std::mutex>& lock) {
-  const int mine = generation;
-  const bool is_frame = is_preview();
-  lock.unlock();
-  const Progress keep_going = [this, mine](double, const char*) {
-    return generation == mine && newest == work.serial;  // the mouse moves again
-  };
-  bool failed = false;
-  const std::string error = message_of([&] {
-    const ProgressScope scope(keep_going);
+  /// Makes a region and its cells. The background thread makes the system of a large region.
+  void prepare(const PrepareTask& task, int mine) {
     const Stopwatch watch;
-    if (!is_frame) {
-      const auto report = std::make_shared<const EditReport>(work.solver->report());
-      publish(mine, [&] {
-        remaining = Remaining::Nothing;
-        response.update.report = report;
-      });
-    } else if (work.solver->refine(work.pose.positions)) {
-      work.pose.solve_ms = watch.elapsed();
-      publish_pose(mine, work.serial, work.solver->settled() ? Remaining::Report : Remaining::Passes);
-    } else {
-      failed = true;
+    const Progress progress_here = progress_of(mine);
+    const ProgressScope scope(progress_here);
+    work.next_job.reset();
+    validate(task.settings);
+    report_progress(0, "region");
+    const FoundRegion found = find_region(*task.mesh, *task.adjacency, task.region, task.groups, task.weights);
+    publish(mine, [&] { response.update.region = found.region; });
+    const auto solver =
+        std::make_shared<StepSolver>(*task.mesh, found, task.settings, StepOptions{task.scalar, task.mirror});
+    const bool is_large = found.region->size() >= kPreviewFrom;
+    if (is_large || task.settings.method == EditMethod::Linear) {
+      make_cells(*solver);
     }
-  });
-  failed = failed || !error.empty();
-  lock.lock();
-  if (failed && generation == mine) {
-    remaining = Remaining::Nothing;  // the frame has reported the error, or the mouse moves again
-  }
-  working = failed;  // run() has to wake callers of busy(), since nothing was published
-}
-
-void SolverThread::Impl::answer_next(std::unique_lock<std::mutex>& lock) {
-  const int mine = generation;
-  const std::unique_ptr<PrepareTask> prepare_task = std::move(request.prepare);
-  const std::unique_ptr<ApplyTask> apply_task = std::move(request.apply);
-  const bool solving = !prepare_task && !apply_task;
-  const bool last = request.last, exactly = usable();
-  if (solving) {
-    work.maps = request.maps;
-    work.serial = request.serial;
-    request.shown = true;
-    request.solve = last && !exactly;  // the pose of the cells is not final
-  }
-  lock.unlock();
-  const std::string error = message_of([&] {
-    if (prepare_task) {
-      prepare(*prepare_task, mine);
-    } else if (apply_task) {
-      const auto results = std::make_shared<const std::vector<EditResult>>(apply_steps(
-          *apply_task->mesh, *apply_task->adjacency, apply_task->edit, apply_task->scalar, progress_of(mine)));
-      publish(mine, [&] { response.update.applied = results; });
-    } else if (exactly) {
-      solve(mine, last);
-    } else {
-      pose_cells(mine, last);
-    }
-  });
-  if (!error.empty()) {
-    publish(mine, [&] { (solving ? response.update.pose_error : response.update.error) = error; });
-  }
-  lock.lock();
-  if (!error.empty() && !solving && generation == mine) {
-    request.solve = request.has_region = false;
-  }
-}
-
-void SolverThread::Impl::run() {
-  std::unique_lock<std::mutex> lock(mutex);
-  while (true) {
-    if (std::exchange(working, false) && wake) {
-      lock.unlock();
-      wake();  // wakes callers of busy()
-      lock.lock();
-    }
-    responded.notify_all();
-    const bool has_any = wait_for_work(lock);
-    if (request.quit) {
+    if (!is_large) {
+      solver->prepare(*task.mesh, work.system.get());
+      work.solver = solver;
+      work.generation = mine;
+      publish_ready(mine, watch.elapsed());
       return;
     }
-    if (!has_any) {
-      settle(lock);
-    } else if (prepared) {
-      working = true;
-      take_prepared(lock);
-    } else if (is_stale()) {
-      // Free the discarded system now, since a large factor takes time. A requested preparation would reuse it.
-      working = true;
-      lock.unlock();
-      work.solver.reset();
-      work.system.reset();
-      lock.lock();
-    } else {
-      working = true;
-      answer_next(lock);
+    work.solver = solver;
+    work.generation = mine;
+    if (solver->has_frames()) {
+      publish(mine, [&] { response.update.preview = true; });
+    }
+    work.next_job = std::make_shared<Job>(Job{solver, task.mesh, watch, mine});
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      preparing = generation == mine;
+    }
+    prepare_in_background();
+  }
+
+  /// Gives the background its next job as soon as it is idle.
+  void prepare_in_background() {
+    if (work.next_job && work.next_job->generation != generation) {
+      work.next_job.reset();  // discarded meanwhile
+    }
+    if (work.job || !work.next_job) {
+      return;
+    }
+    work.job = std::exchange(work.next_job, nullptr);
+    work.job->previous = std::move(work.system);
+    const auto make = [this, job = work.job] {
+      const Progress progress_here = progress_of(job->generation);
+      const ProgressScope scope(progress_here);
+      job->error = message_of([&] { job->system = job->solver->make_system(*job->mesh, job->previous.get()); });
+      {
+        const std::lock_guard<std::mutex> lock(mutex);  // Prevents a lost wake-up.
+        prepared = true;
+      }
+      requested.notify_all();
+    };
+    try {
+      background = JoinedThread(make);
+    } catch (const std::system_error&) {  // no thread is available
+      make();
     }
   }
-}
+
+  /// Takes the background's result; later frames use it.
+  void take_prepared(std::unique_lock<std::mutex>& lock) {
+    const std::shared_ptr<Job> job = std::move(work.job);
+    const int mine = job->generation;
+    prepared = false;
+    lock.unlock();
+    work.system = job->system;
+    job->previous.reset();
+    if (generation == mine && job->error.empty()) {
+      job->solver->take(work.system);
+      publish_ready(mine, job->watch.elapsed());
+    } else if (generation == mine) {
+      publish(mine, [&] { response.update.error = job->error; });
+      work.solver.reset();
+    }
+    prepare_in_background();
+    lock.lock();
+    if (generation == mine) {
+      preparing = false;
+      if (!job->error.empty()) {
+        request.solve = request.has_region = false;
+        remaining = Remaining::Nothing;
+      }
+    }
+  }
+
+  void publish_pose(int mine, int serial, Remaining then, const std::shared_ptr<const EditReport>& report = nullptr) {
+    work.pose.serial = serial;
+    publish(mine, [&] {
+      remaining = then;
+      std::swap(response.pose, work.pose);
+      response.update.pose = true;
+      response.update.report = report ? report : response.update.report;
+    });
+  }
+
+  /// Publishes the exact pose with its report, or a frame, whose error is invisible. A newer request does not end it;
+  /// otherwise requests that come faster than poses would leave none.
+  /// @param exactly  false: there is no system yet, and frames are poses of the cells. In response to a final request
+  /// such a pose has the serial number before that of the request, so that it does not count as the final pose
+  void solve(int mine, bool last, bool exactly) {
+    const Stopwatch watch;
+    const Progress keep_going = [this, mine](double, const char*) { return generation == mine; };
+    const bool full = last && exactly;
+    bool is_frame = !full && has_frames();
+    try {
+      if (is_frame) {
+        work.solver->frame(work.maps, work.pose.positions);
+      }
+    } catch (const EditError& error) {  // a full pose reports it, too
+      if (exactly ? error.cause() != ErrorCause::NotFinite : !last) {
+        throw;
+      }
+      if (!exactly) {
+        return;
+      }
+      is_frame = false;
+    }
+    const ProgressScope scope(keep_going);
+    if (!is_frame) {
+      work.pose.positions = work.solver->pose(work.maps);
+    }
+    work.pose.solve_ms = watch.elapsed();
+    const auto report = full ? std::make_shared<const EditReport>(work.solver->report()) : nullptr;
+    const Remaining then = is_frame ? Remaining::Pose : full ? Remaining::Nothing : Remaining::Report;
+    publish_pose(mine, last && !exactly ? work.serial - 1 : work.serial, then, report);
+  }
+
+  /// Waits until there is work. @return false if no request came during the pause, so that the last pose can be
+  /// completed
+  bool wait_for_work(std::unique_lock<std::mutex>& lock) {
+    const auto ready = [this] { return has_work(); };
+    if (remaining != Remaining::Nothing && usable()) {
+      const Clock::duration pause = remaining == Remaining::Passes
+                                        ? Clock::duration()
+                                        : std::clamp<Clock::duration>(2 * request.apart, kPause, kLongestPause);
+      return requested.wait_for(lock, pause, ready);
+    }
+    requested.wait(lock, ready);
+    return true;
+  }
+
+  /// Completes the last pose, one stage per call: its passes, the last of which is the full pose, then, after another
+  /// pause, its report.
+  void settle(std::unique_lock<std::mutex>& lock) {
+    const int mine = generation;
+    const bool is_frame = is_preview();
+    lock.unlock();
+    const Progress keep_going = [this, mine](double, const char*) {
+      return generation == mine && newest == work.serial;  // the mouse moves again
+    };
+    bool failed = false;
+    const std::string error = message_of([&] {
+      const ProgressScope scope(keep_going);
+      const Stopwatch watch;
+      if (!is_frame) {
+        const auto report = std::make_shared<const EditReport>(work.solver->report());
+        publish(mine, [&] {
+          remaining = Remaining::Nothing;
+          response.update.report = report;
+        });
+      } else if (work.solver->refine(work.pose.positions)) {
+        work.pose.solve_ms = watch.elapsed();
+        publish_pose(mine, work.serial, work.solver->settled() ? Remaining::Report : Remaining::Passes);
+      } else {
+        failed = true;
+      }
+    });
+    failed = failed || !error.empty();
+    lock.lock();
+    if (failed && generation == mine) {
+      remaining = Remaining::Nothing;  // the frame has reported the error, or the mouse moves again
+    }
+    working = failed;  // run() has to wake callers of busy(), since nothing was published
+  }
+
+  void answer_next(std::unique_lock<std::mutex>& lock) {
+    const int mine = generation;
+    const std::unique_ptr<PrepareTask> prepare_task = std::move(request.prepare);
+    const std::unique_ptr<ApplyTask> apply_task = std::move(request.apply);
+    const bool solving = !prepare_task && !apply_task;
+    const bool last = request.last, exactly = usable();
+    if (solving) {
+      work.maps = request.maps;
+      work.serial = request.serial;
+      request.shown = true;
+      request.solve = last && !exactly;  // the pose of the cells is not final
+    }
+    lock.unlock();
+    const std::string error = message_of([&] {
+      if (prepare_task) {
+        prepare(*prepare_task, mine);
+      } else if (apply_task) {
+        const auto results = std::make_shared<const std::vector<EditResult>>(apply_steps(
+            *apply_task->mesh, *apply_task->adjacency, apply_task->edit, apply_task->scalar, progress_of(mine)));
+        publish(mine, [&] { response.update.applied = results; });
+      } else {
+        solve(mine, last, exactly);
+      }
+    });
+    if (!error.empty()) {
+      publish(mine, [&] { (solving ? response.update.pose_error : response.update.error) = error; });
+    }
+    lock.lock();
+    if (!error.empty() && !solving && generation == mine) {
+      request.solve = request.has_region = false;
+    }
+  }
+
+  void run() {
+    std::unique_lock<std::mutex> lock(mutex);
+    while (true) {
+      if (std::exchange(working, false) && wake) {
+        lock.unlock();
+        wake();  // wakes callers of busy()
+        lock.lock();
+      }
+      responded.notify_all();
+      const bool has_any = wait_for_work(lock);
+      if (request.quit) {
+        return;
+      }
+      if (!has_any) {
+        settle(lock);
+      } else if (prepared) {
+        working = true;
+        take_prepared(lock);
+      } else if (is_stale()) {
+        // Free the discarded system now, since a large factor takes time. A requested preparation would reuse it.
+        working = true;
+        lock.unlock();
+        work.solver.reset();
+        work.system.reset();
+        lock.lock();
+      } else {
+        working = true;
+        answer_next(lock);
+      }
+    }
+  }
+};
 
 SolverThread::SolverThread(std::function<void()> wake) : impl_(std::make_unique<Impl>()) {
   impl_->wake = std::move(wake);
@@ -557,16 +518,15 @@ bool SolverThread::wait(std::chrono::milliseconds longest) {
   s.responded.wait_for(lock, longest, [&s] {
     // usable() may read the solver only while the solver thread is idle. The thread is busy again for a moment if it
     // has yet to free discarded data.
-    return s.response.is_new || (!s.working && !s.is_preview() && !s.preparing && !s.request.prepare &&
-                                 !s.request.apply && !(s.request.solve && s.usable()) && !s.work.job && !s.is_stale());
+    return s.response.is_new ||
+           !(s.is_busy() || (s.request.solve && s.usable()) || s.work.job != nullptr || s.is_stale());
   });
   return s.response.is_new;
 }
 
 bool SolverThread::busy() const {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
-  return impl_->working || impl_->is_preview() || impl_->preparing || impl_->request.prepare || impl_->request.apply ||
-         impl_->request.solve || impl_->response.is_new;
+  return impl_->is_busy() || impl_->request.solve || impl_->response.is_new;
 }
 
 double SolverThread::progress() const {

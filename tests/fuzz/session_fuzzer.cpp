@@ -102,10 +102,10 @@ struct Player {
         session().set(&Tools::pivot, static_cast<Pivot>(choose.below(3)));
         break;
       case 3:
-        session().set_anchors(random_vertices(choose, mesh));
+        session().set_painted(BrushTarget::Anchors, random_vertices(choose, mesh));
         break;
       case 4:
-        session().set_region(random_vertices(choose, mesh));
+        session().set_painted(BrushTarget::Region, random_vertices(choose, mesh));
         break;
       case 5: {
         const int axis = choose.below(4);
@@ -126,7 +126,7 @@ struct Player {
         choose.flag() ? void(session().key(DragKey::NextGroup)) : session().clear();
         break;
       case 10:
-        choose.flag() ? session().apply() : session().cancel();
+        choose.flag() ? void(session().key(DragKey::Apply)) : session().cancel();
         break;
       case 11:
         choose.flag() ? session().undo() : session().redo();

@@ -20,6 +20,12 @@ namespace lapedit::support {
 
 constexpr double kWidth = 800, kHeight = 600;
 
+/// A vertex of a grid with 60 columns.
+constexpr int at(int i, int j) {
+  return 60 * i + j;
+}
+constexpr int kMiddle = at(30, 30);
+
 /// Orthographic, from +z down: x to the right, y up.
 inline Camera view_from_above(const Points& points) {
   const Vector3 low = points.colwise().minCoeff().transpose();

@@ -16,21 +16,21 @@
 /// What declarations of MeshLab 2020.09 that concern tools have in common with later versions.
 namespace lapedit::host {
 
-/// Ignores the layer that MeshLab passes by reference even if there is none; HostView returns the current layer.
-class HostTool : public MeshEditInterface {
- public:
-  bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final { return start(area, shared); }
-  void EndEdit(MeshDocument&, GLArea*, MLSceneGLSharedDataContext*) final { end(); }
-  void LayerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
-    changeLayer(area, shared);
-  }
-  void Decorate(MeshModel&, GLArea*, QPainter*) final { draw(); }
+using HostInterface = MeshEditInterface;
 
- protected:
-  virtual bool start(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
-  virtual void end() = 0;
-  virtual void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
-  virtual void draw() = 0;
+/// A tool of MeshLab. Ignores the layer that MeshLab passes by reference even if there is none; HostView returns the
+/// current layer.
+template <class Tool>
+class HostTool : public Tool, public MeshEditInterface {
+ public:
+  bool StartEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
+    return Tool::start(area, shared);
+  }
+  void EndEdit(MeshDocument&, GLArea*, MLSceneGLSharedDataContext*) final { Tool::end(); }
+  void LayerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
+    Tool::changeLayer(area, shared);
+  }
+  void Decorate(MeshModel&, GLArea*, QPainter*) final { Tool::draw(); }
 };
 
 /// A plugin with one tool, named by its action and described by the action's "What's this".
@@ -42,7 +42,7 @@ class HostToolPlugin : public QObject, public MeshEditInterfaceFactory {
 
  protected:
   explicit HostToolPlugin(QAction* action) : action_(action) { action->setParent(this); }
-  virtual HostTool* newTool() = 0;  ///< for one view
+  virtual HostInterface* newTool() = 0;  ///< for one view
 
  private:
   QAction* action_;

@@ -8,8 +8,6 @@ namespace lapedit::host {
 
 using PointParameter = RichPoint3f;
 using LengthParameter = RichAbsPerc;
-using MatrixValue = Matrix44fValue;
-using PointValue = Point3fValue;
 
 inline bool is_point(const Value& value) {
   return value.isPoint3f();

@@ -17,25 +17,25 @@
 /// What declarations of MeshLab since 2021 that concern tools have in common with earlier versions.
 namespace lapedit::host {
 
-/// Ignores the layer that MeshLab passes by reference even if there is none; HostView returns the current layer.
-class HostTool : public EditTool {
+using HostInterface = EditTool;
+
+/// A tool of MeshLab. Ignores the layer that MeshLab passes by reference even if there is none; HostView returns the
+/// current layer.
+template <class Tool>
+class HostTool : public Tool, public EditTool {
  public:
   using EditTool::decorate;
   using EditTool::endEdit;
   using EditTool::startEdit;
 
-  bool startEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final { return start(area, shared); }
-  void endEdit(MeshDocument&, GLArea*, MLSceneGLSharedDataContext*) final { end(); }
-  void layerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
-    changeLayer(area, shared);
+  bool startEdit(MeshDocument&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
+    return Tool::start(area, shared);
   }
-  void decorate(MeshModel&, GLArea*, QPainter*) final { draw(); }
-
- protected:
-  virtual bool start(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
-  virtual void end() = 0;
-  virtual void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared) = 0;
-  virtual void draw() = 0;
+  void endEdit(MeshDocument&, GLArea*, MLSceneGLSharedDataContext*) final { Tool::end(); }
+  void layerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
+    Tool::changeLayer(area, shared);
+  }
+  void decorate(MeshModel&, GLArea*, QPainter*) final { Tool::draw(); }
 };
 
 /// A plugin with one tool, named by its action and described by the action's "What's this".
@@ -54,7 +54,7 @@ class HostToolPlugin : public QObject, public EditPlugin {
     action->setParent(this);
     actionList.push_back(action);
   }
-  virtual HostTool* newTool() = 0;  ///< for one view
+  virtual HostInterface* newTool() = 0;  ///< for one view
 };
 
 inline void write_log(MeshDocument& document, const std::string& line) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "edit_tool_plugin.h"
+#include "lapedit_host/mesh_bridge.h"
 
 namespace lapedit::host {
 
@@ -183,11 +184,7 @@ std::optional<Layer> HostView::seen(MeshModel& model) {
   layer.file = model.fullName();
   layer.mesh = &model.cm;
   layer.visible = area_->meshVisibilityMap.value(model.id(), true);
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 4; ++k) {
-      layer.transform(i, k) = static_cast<double>(model.cm.Tr[i][k]);
-    }
-  }
+  layer.transform = transform_of(model.cm);
   return layer;
 }
 

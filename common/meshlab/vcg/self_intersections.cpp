@@ -204,9 +204,9 @@ int new_self_intersections(const TriangleMesh& given, const EditResult& result, 
     int here = 0;
     for (int i = first; i < last; ++i) {
       each_near(grid, mesh, boxes, static_cast<std::size_t>(i), [&](std::size_t j) {
-        GridFace &f = mesh.face[static_cast<std::size_t>(i)], &g = mesh.face[j];
+        GridFace &f = mesh.face[i], &g = mesh.face[j];
         if (!planes.part(static_cast<std::size_t>(i), f, g) && !planes.part(j, g, f)) {
-          here += meet(f, g) && !meet(old_mesh.face[static_cast<std::size_t>(i)], old_mesh.face[j]);
+          here += meet(f, g) && !meet(old_mesh.face[i], old_mesh.face[j]);
         }
       });
     }

@@ -14,30 +14,14 @@
 namespace lapedit::drag_choosing_test {
 namespace {
 
+using support::at;
+using support::kMiddle;
 using support::play;
 using support::Window;
 using State = DragSession::State;
 
 constexpr PressModifiers kAdd{true, false};
 constexpr PressModifiers kTake{false, true};
-
-constexpr int at(int i, int j) {
-  return 60 * i + j;
-}
-
-constexpr int kMiddle = at(30, 30);
-
-bool has(const std::vector<int>& set, int vertex) {
-  return std::binary_search(set.begin(), set.end(), vertex);
-}
-
-VertexClass class_of(const DragSession& session, int vertex) {
-  const std::vector<int>& vertices = session.shown().region()->mesh_vertex;
-  const auto found = std::lower_bound(vertices.begin(), vertices.end(), vertex);
-  return found != vertices.end() && *found == vertex
-             ? session.shown().region()->classes[static_cast<std::size_t>(found - vertices.begin())]
-             : VertexClass::Fixed;
-}
 
 /// The settings that users find.
 void as_found(Window& window) {
@@ -76,10 +60,10 @@ TEST(DragDisc, HandleIsADiscUnlessASingleVertexIsAskedFor) {
 void expect_counts_from(const Window& window, int vertex, double radius) {
   const DragSession& session = window.session;
   for (const int v : window.region()) {
-    EXPECT_TRUE(has(vertices_within(session.mesh(), session.adjacency(), vertex, radius + 1e-9), v)) << v;
+    EXPECT_TRUE(contains(vertices_within(session.mesh(), session.adjacency(), vertex, radius + 1e-9), v)) << v;
   }
   for (const int v : vertices_within(session.mesh(), session.adjacency(), vertex, radius - 1)) {
-    EXPECT_TRUE(has(window.region(), v)) << v;
+    EXPECT_TRUE(contains(window.region(), v)) << v;
   }
 }
 
@@ -227,20 +211,15 @@ TEST(DragBrush, WhatIsNotConnectedIsKeptAndSaid) {
 // --- Nothing holds --------------------------------------------------------------------------------------------------
 
 TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
-  Window window(shapes::icosphere(3));
-  window.change([](DragSettings& s) { s.radius = 100; });
+  const TriangleMesh ball = shapes::icosphere(3);
   int top = 0;
-  window.session.mesh().vertices.col(2).maxCoeff(&top);
-  window.click(top);
-  EXPECT_TRUE(window.says("Nothing holds this piece of 642 vertices")) << window.session.message();
-  window.change([](DragSettings& s) { s.radius = 0.8; });
-  EXPECT_FALSE(window.says("Nothing holds"));
-  // A second group holds it.
-  window.change([](DragSettings& s) { s.radius = 100; });
-  window.session.key(DragKey::NextGroup);
-  window.click(window.session.adjacency().neighbours[top].first[0]);
-  EXPECT_EQ(window.session.selection().groups.size(), 2U);
-  EXPECT_FALSE(window.says("Nothing holds"));
+  ball.vertices.col(2).maxCoeff(&top);
+  const int second = support::adjacency_of(ball).neighbours[top].first[0];
+  play("set radius 100; click 0," + std::to_string(top) +
+           "; says 'Nothing holds this piece of 642 vertices'; set radius 0.8; silent 'Nothing holds'; set radius 100; "
+           "keys g; click 0," +
+           std::to_string(second) + "; count 2; silent 'Nothing holds'",
+       ball);
 }
 
 // --- Keys -----------------------------------------------------------------------------------------------------------
@@ -409,7 +388,7 @@ TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
   window.session.move(window.at(at(18, 45)));
   ASSERT_EQ(window.session.selection().groups.size(), 2U);
   ASSERT_GE(window.session.mirrored_groups().size(), 2U);
-  EXPECT_TRUE(has(window.session.mirrored_groups()[1], at(18, 45)));
+  EXPECT_TRUE(contains(window.session.mirrored_groups()[1], at(18, 45)));
   window.session.release(window.at(at(18, 45)));
   window.session.wait();
   ASSERT_EQ(window.session.selection().groups.size(), 2U);
@@ -430,38 +409,11 @@ TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
 }
 
 TEST(DragMirror, PaintedAnchorsHoldOnBothSides) {
-  Window window(shapes::grid(61, 60));
-  window.change([](DragSettings& s) {
-    s.radius = 12;
-    s.brush_pixels = 12;
-  });
-  MirrorPlane plane;
-  plane.normal = window.host().row(at(31, 30)).transpose() - window.host().row(at(30, 30)).transpose();
-  plane.point = window.host().row(kMiddle).transpose();
-  const auto twin = [](int i, int j) { return at(60 - i, j); };
-  window.session.set(&Tools::mirror, plane);
-  window.session.set(&Tools::paint, BrushTarget::Anchors);
-  stroke(window, at(19, 26), at(19, 34), {});
-  window.session.set(&Tools::paint, std::nullopt);
-  const std::vector<int> painted = window.session.selection().held;
-  ASSERT_TRUE(has(painted, at(19, 30)));
-  const Points before = window.host();
-  const auto moved = [&](int vertex) { return (window.host().row(vertex) - before.row(vertex)).norm(); };
-  window.drag(at(15, 30), Vector2(0, 40));
-  ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
-  EXPECT_EQ(window.session.selection().held, painted);
-  for (const int vertex : {at(19, 30), twin(19, 30)}) {
-    EXPECT_EQ(class_of(window.session, vertex), VertexClass::Anchor);
-    EXPECT_LT(moved(vertex), 0.1 * moved(at(11, 30)));
-  }
-  EXPECT_NEAR(moved(twin(11, 30)), moved(at(11, 30)), 0.1 * moved(at(11, 30)));  // diagonals are not symmetric
-  window.expect_consistent();
-  window.session.set(&Tools::mirror, std::nullopt);
-  window.session.wait();
-  EXPECT_EQ(window.session.selection().held, painted) << "without the images";
-  window.session.key(DragKey::NewRegion);
-  window.click(twin(15, 30));
-  EXPECT_EQ(class_of(window.session, twin(19, 30)), VertexClass::Free);
+  play(
+      "set radius 12 brush 12; mirror 30; paint anchors; stroke 19,26 19,34; paint off; held 19,30; keep a; drag 15,30 "
+      "0 40; steps 1; same held a; anchor 19,30; anchor 41,30; rests 19,30 11,30 0.1; rests 41,30 11,30 0.1; images "
+      "11,30 49,30; consistent; unmirror; same held a; keys w; click 45,30; in 41,30; anchor 41,30 not",
+      shapes::grid(61, 60));
 }
 
 TEST(DragMirror, PlaneIsFoundFromTheMesh) {
@@ -492,11 +444,11 @@ TEST(DragMirror, OtherSideIsShownUnderTheCursor) {
   const HoverPreview& seen = *window.hovered(window.at(right));
   ASSERT_TRUE(seen.mirrored_point);
   EXPECT_EQ(*seen.mirrored_point, Vector3(20, 30, 0));
-  ASSERT_GT(seen.mirrored_region.rows(), 0);
-  const Vector3 middle = seen.mirrored_region.colwise().mean().transpose();
+  ASSERT_GT(seen.mirrored.region.rows(), 0);
+  const Vector3 middle = seen.mirrored.region.colwise().mean().transpose();
   EXPECT_LT((middle - Vector3(20, 30, 0)).norm(), 0.5);
-  EXPECT_NEAR((seen.mirrored_region.rowwise() - middle.transpose()).rowwise().norm().maxCoeff(), 6, 0.5);
-  EXPECT_GT(seen.mirrored_disc.rows(), 0);
+  EXPECT_NEAR((seen.mirrored.region.rowwise() - middle.transpose()).rowwise().norm().maxCoeff(), 6, 0.5);
+  EXPECT_GT(seen.mirrored.disc.rows(), 0);
 }
 
 TEST(DragMirror, AsymmetricMeshIsSaid) {
@@ -518,23 +470,15 @@ TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
 }
 
 TEST(DragSoft, WeightsFallOffAndAreRecorded) {
-  Window window(shapes::grid(60, 60));
-  window.change([](DragSettings& s) {
-    s.radius = 12;
-    s.handle_fraction = 0.4;
-    s.falloff = Falloff::Smooth;
-  });
-  window.drag(kMiddle, Vector2(0, 40));
-  const EditStep soft = window.session.recorded().steps.at(0);
-  ASSERT_EQ(soft.handles[0].weights.size(), soft.handles[0].vertices.size());
-  EXPECT_EQ(*std::max_element(soft.handles[0].weights.begin(), soft.handles[0].weights.end()), 1);
-  EXPECT_LT(*std::min_element(soft.handles[0].weights.begin(), soft.handles[0].weights.end()), 0.1);
-  window.expect_consistent();
-  window.session.undo();
-  window.redo();
-  window.drag(kMiddle, Vector2(0, -20));
-  EXPECT_EQ(window.session.recorded().steps.at(1).handles[0].weights, soft.handles[0].weights);
-  window.expect_consistent();
+  support::Play played(shapes::grid(60, 60));
+  const Edit edit =
+      played.run("set radius 12 disc 0.4 falloff 2; drag 30,30 0 40; consistent; undo; redo; drag 30,30 0 -20")
+          .session.recorded();
+  const std::vector<double> weights = edit.steps.at(0).handles[0].weights;
+  ASSERT_EQ(weights.size(), edit.steps[0].handles[0].vertices.size());
+  EXPECT_EQ(*std::max_element(weights.begin(), weights.end()), 1);
+  EXPECT_LT(*std::min_element(weights.begin(), weights.end()), 0.1);
+  EXPECT_EQ(edit.steps.at(1).handles[0].weights, weights);
 }
 
 TEST(DragGap, NearPiecesAreOneRegion) {

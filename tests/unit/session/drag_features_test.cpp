@@ -29,8 +29,7 @@ TriangleMesh creature(int levels, bool with_eye = false, double size = 1) {
 
 /// The settings of a newcomer.
 void as_found(Window& window) {
-  DragSettings settings = settings_for(window.session.original());
-  window.session.set_settings(settings);
+  window.session.set_settings(settings_for(window.session.original()));
 }
 
 struct Given {
@@ -110,9 +109,7 @@ TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
   const auto [levels, size] = GetParam();
   Window window(creature(levels, false, size));
   as_found(window);
-  DragSettings settings = window.session.settings();
-  settings.radius = 0.5 * size;
-  window.session.set_settings(settings);
+  window.change([size = size](DragSettings& s) { s.radius = 0.5 * size; });
   const int tip = support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0));
   window.click(tip);
   EXPECT_EQ(window.session.settings().radius, 0.5 * size);
@@ -120,9 +117,7 @@ TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
   // Other settings do not count as a radius, and those of the beginning start again.
   window.session.clear();
   as_found(window);
-  settings = window.session.settings();
-  settings.padding = 0.2;
-  window.session.set_settings(settings);
+  window.change([](DragSettings& s) { s.padding = 0.2; });
   window.click(tip);
   EXPECT_GT(window.session.settings().radius, 0.9 * size);
 }
@@ -134,16 +129,13 @@ TEST_P(DragFeatures, HandleIsAFractionOfTheRadiusShown) {
   window.click(support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0)));
   const std::vector<std::vector<int>> handle = window.session.selection().groups;
   const std::size_t region = window.region().size();
-  DragSettings settings = window.session.settings();
-  settings.radius *= 1.5;
-  settings.handle_fraction /= 1.5;
-  window.session.set_settings(settings);
-  window.session.wait();
+  window.change([](DragSettings& s) {
+    s.radius *= 1.5;
+    s.handle_fraction /= 1.5;
+  });
   EXPECT_EQ(window.session.selection().groups, handle);
   EXPECT_GT(window.region().size(), region);
-  settings.handle_fraction *= 2;
-  window.session.set_settings(settings);
-  window.session.wait();
+  window.change([](DragSettings& s) { s.handle_fraction *= 2; });
   EXPECT_GT(window.session.selection().groups.at(0).size(), handle.at(0).size());
 }
 
@@ -198,7 +190,7 @@ TEST_P(DragFeatures, WideStretchIsWarnedOfUntilItIsUndone) {
       << window.session.warning();
   window.undo();
   EXPECT_TRUE(window.session.warning().empty());
-  EXPECT_TRUE(window.session.figures().folds.empty());
+  EXPECT_FALSE(window.session.figures().report);
 }
 
 TEST_P(DragFeatures, FoldedTrianglesAreListed) {
@@ -210,11 +202,12 @@ TEST_P(DragFeatures, FoldedTrianglesAreListed) {
   });
   const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
   window.drag(pole, Vector2(250, 0));
-  const DragFigures figures = window.session.figures();
-  ASSERT_FALSE(figures.folds.empty()) << window.session.warning();
-  const std::string count = std::to_string(figures.folds.size()) + " triangle";
+  ASSERT_TRUE(window.session.figures().report);
+  const auto folds = window.session.figures().report->causes.folds;
+  ASSERT_FALSE(folds.empty()) << window.session.warning();
+  const std::string count = std::to_string(folds.size()) + " triangle";
   EXPECT_EQ(window.session.warning().find(count), 0U) << window.session.warning();
-  for (const auto& fold : figures.folds) {
+  for (const auto& fold : folds) {
     for (const int v : fold) {
       EXPECT_TRUE(contains(window.region(), v));
     }

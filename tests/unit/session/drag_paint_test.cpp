@@ -13,20 +13,12 @@
 namespace lapedit::drag_paint_test {
 namespace {
 
+using support::at;
+using support::kMiddle;
 using support::play;
 using support::Window;
 
 constexpr PressModifiers kAdd{true, false}, kShift{false, true};
-
-constexpr int at(int i, int j) {
-  return 60 * i + j;
-}
-
-constexpr int kMiddle = at(30, 30);
-
-bool has(const std::vector<int>& set, int vertex) {
-  return std::binary_search(set.begin(), set.end(), vertex);
-}
 
 Window& with_brush(Window& window) {
   window.change([](DragSettings& s) {
@@ -102,7 +94,7 @@ TEST(DragPaint, MovesThatWaitForAStepArePaintedToo) {
     window.session.wait();
     painted[waits] = window.session.selection().region.vertices;
   }
-  EXPECT_TRUE(has(painted[0], at(50, 40)) && has(painted[0], at(40, 50)));
+  EXPECT_TRUE(contains(painted[0], at(50, 40)) && contains(painted[0], at(40, 50)));
   EXPECT_EQ(painted[1], painted[0]);
 }
 

@@ -19,6 +19,8 @@
 namespace lapedit::drag_session_steps_test {
 namespace {
 
+using support::at;
+using support::kMiddle;
 using support::plate;
 using support::Play;
 using support::play;
@@ -27,16 +29,6 @@ using support::Window;
 using State = DragSession::State;
 
 constexpr PressModifiers kAdd{true, false};
-
-constexpr int at(int i, int j) {
-  return 60 * i + j;
-}
-
-constexpr int kMiddle = at(30, 30);
-
-bool has(const std::vector<int>& set, int vertex) {
-  return std::binary_search(set.begin(), set.end(), vertex);
-}
 
 // --- Presses ---------------------------------------------------------------------------------------------------------
 
@@ -450,9 +442,9 @@ TEST(DragSteps, LoadedFitIsAStepAmongOthers) {
 TEST(DragSteps, AreSavedAndPaintedVerticesStayAfterOtherCodeChangedTheMesh) {
   Window before(plate());
   before.click(kMiddle);
-  before.session.set_region(before.region());
+  before.session.set_painted(BrushTarget::Region, before.region());
   before.session.wait();
-  before.session.set_anchors({at(26, 30), at(2, 2)});
+  before.session.set_painted(BrushTarget::Anchors, {at(26, 30), at(2, 2)});
   before.session.wait();
   before.change([](DragSettings& s) { s.radius = 3; });
   before.drag(kMiddle, Vector2(10, 5));
@@ -468,7 +460,7 @@ TEST(DragSteps, AreSavedAndPaintedVerticesStayAfterOtherCodeChangedTheMesh) {
   EXPECT_EQ(after->session.settings().radius, 3);
   EXPECT_FALSE(after->session.can_undo());
   EXPECT_TRUE(after->session.selection().by_hand);
-  EXPECT_TRUE(has(after->session.selection().held, at(2, 2)));
+  EXPECT_TRUE(contains(after->session.selection().held, at(2, 2)));
   EXPECT_EQ(after->region(), before.region());
   EXPECT_EQ(after->session.saved().steps.size(), 1U);
   // Another change without steps in between loses nothing more.
@@ -511,13 +503,14 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
   window.session.move(window.at(kMiddle, Vector2(60, 0)));
   window.session.wait();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (!window.session.figures().largest_stretch && std::chrono::steady_clock::now() < deadline) {
+  while (!window.session.figures().report && std::chrono::steady_clock::now() < deadline) {
     window.session.poll();  // the report is made when the mouse pauses
   }
   const DragFigures figures = window.session.figures();
-  EXPECT_GT(figures.largest_stretch.value_or(0), 0.01);
-  EXPECT_GT(figures.handle_error.value_or(0), 0);
-  EXPECT_LT(figures.handle_error.value_or(1), 0.1);
+  ASSERT_TRUE(figures.report);
+  EXPECT_GT(figures.report->stretch_max, 0.01);
+  EXPECT_GT(figures.report->handle_residual, 0);
+  EXPECT_LT(figures.report->handle_residual, 0.1);
   EXPECT_EQ(figures.handle, 1);
   EXPECT_EQ(figures.handle + figures.free + figures.anchors + figures.fixed, 3600);
   EXPECT_GT(figures.prepare_ms.value_or(0), 0);
@@ -525,10 +518,10 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
   // The next region is ready, and what was released is still told of.
   window.session.release(window.at(kMiddle, Vector2(90, 0)));
   window.session.wait();
-  EXPECT_GT(window.session.figures().largest_stretch.value_or(0), *figures.largest_stretch);
+  EXPECT_GT(window.session.figures().report->stretch_max, figures.report->stretch_max);
   // Of another handle nothing is known before it is moved.
   window.click(kMiddle + 3);
-  EXPECT_FALSE(window.session.figures().largest_stretch || window.session.figures().solve_ms);
+  EXPECT_FALSE(window.session.figures().report || window.session.figures().solve_ms);
 }
 
 /// The middle dragged over the region's boundary: the plate folds there.
@@ -541,10 +534,10 @@ TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   window.drag(kMiddle, Vector2(20, 10));
   ASSERT_EQ(window.log.size(), 1U);
   EXPECT_EQ(window.log[0].find("folded"), std::string::npos);
-  EXPECT_EQ(window.session.figures().advice, "");
+  EXPECT_EQ(window.session.figures().advice(), "");
   window.session.undo();
   window.drag(kMiddle, Vector2(250, 10));
-  const std::string advice = window.session.figures().advice;
+  const std::string advice = window.session.figures().advice();
   EXPECT_NE(advice.find("folded over near vertex"), std::string::npos);
   EXPECT_EQ(window.log.back().substr(window.log.back().size() - advice.size() - 2), "; " + advice);
   Window other(plate());

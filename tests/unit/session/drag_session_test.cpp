@@ -14,12 +14,11 @@
 namespace lapedit::drag_session_test {
 namespace {
 
+using support::kMiddle;
 using support::play;
 using support::same_bits;
 using support::Window;
 using State = DragSession::State;
-
-constexpr int kMiddle = 30 * 60 + 30;  // of a grid of 60 x 60
 
 TriangleMesh hills() {
   TriangleMesh mesh = shapes::grid(60, 60);
@@ -28,10 +27,6 @@ TriangleMesh hills() {
     mesh.vertices(v, 2) = std::sin(0.9 * p.x()) * std::cos(0.7 * p.y());
   }
   return mesh;
-}
-
-bool has(const std::vector<int>& set, int vertex) {
-  return std::find(set.begin(), set.end(), vertex) != set.end();
 }
 
 // --- The simplest gesture -------------------------------------------------------------------------------------------
@@ -48,7 +43,7 @@ TEST(DragSession, PressDragReleaseBringsTheVertexUnderTheCursor) {
   const std::vector<int>& region = window.session.shown().region()->mesh_vertex;
   int fixed = 0;
   for (int v = 0; v < window.host().rows(); ++v) {
-    if (!has(region, v)) {
+    if (!contains(region, v)) {
       ++fixed;
       EXPECT_EQ(window.host().row(v), window.session.original().vertices.row(v));
     }
@@ -93,15 +88,7 @@ TEST(DragSession, HandleIsTakenHoldOfByItsMarkThoughAFoldHidesIt) {
 }
 
 TEST(DragSession, PressJustBesideTheEdgeMeansTheEdge) {
-  Window window(hills());
-  const int corner = 59 * 60 + 59;
-  window.session.press(window.at(corner, Vector2(2, -2)));
-  window.session.release(window.at(corner, Vector2(2, -2)));
-  window.session.wait();
-  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{corner}});
-  window.session.clear();
-  window.session.press(window.at(corner, Vector2(5, -5)));
-  EXPECT_TRUE(window.session.selection().groups.empty());
+  play("press 59,59 2 -2; release 59,59 2 -2; wait; groups 59,59; clear; press 59,59 5 -5; groups none", hills());
 }
 
 TEST(DragSession, HandleOnTheFarSideIsNotInTheWay) {
@@ -120,14 +107,7 @@ TEST(DragSession, ClickShowsTheRegionAndMovesNothing) {
 }
 
 TEST(DragSession, ClickBesideTheMeshSaysSoAndDoesNothing) {
-  Window window(hills());
-  window.session.press(window.at(Vector2(1, 1)));
-  EXPECT_TRUE(window.says("no surface"));
-  window.session.move(window.at(Vector2(100, 100)));
-  window.session.release(window.at(Vector2(100, 100)));
-  window.session.wait();
-  EXPECT_EQ(window.session.state(), State::Idle);
-  EXPECT_EQ(window.session.shown().region(), nullptr);
+  play("press 0,0 -20 20; says 'no surface'; move 0,0 20 0; release 0,0 20 0; wait; state idle; out 0,0", hills());
 }
 
 TEST(DragSession, RefusesAMeshWithoutFaces) {

@@ -63,7 +63,7 @@ class Play {
   double number(std::size_t k) const { return std::stod(words_.at(k)); }
   Vector3 vector(std::size_t k) const { return {number(k), number(k + 1), number(k + 2)}; }
   int vertex(std::size_t k) const { return vertices(words_.at(k)).at(0); }
-  PressModifiers modifiers(std::size_t k) const { return {is(k, "add"), is(k, "take")}; }
+  PressModifiers modifiers() const { return {!words_.empty() && words_.back() == "add", words_.back() == "take"}; }
   /// The position of one of the names in the first word.
   template <class Value>
   Value choice(const std::vector<std::string>& names) const {
@@ -92,9 +92,8 @@ class Play {
     return found;
   }
   std::vector<int> named() const { return groups().empty() ? std::vector<int>() : groups()[0]; }
-  Cursor cursor() const {
-    return words_.size() > 2 ? window.at(vertex(0), Vector2(number(1), number(2))) : window.at(vertex(0));
-  }
+  Vector2 off() const { return {number(1), number(2)}; }
+  Cursor cursor() const { return words_.size() > 2 ? window.at(vertex(0), off()) : window.at(vertex(0)); }
   Vector3 way(std::size_t k) {
     return (window.host().row(vertex(k)) - window.session.original().vertices.row(vertex(k))).transpose();
   }
@@ -110,25 +109,31 @@ class Play {
     return kept_[name] = {window.host(), region().mesh_vertex, s.held, s.groups, anchors, window.session.settings()};
   }
 
-  void set() {
-    DragSettings s = window.session.settings();
+  static double& setting(DragSettings& s, const std::string& name) {
     const std::map<std::string, double*> reals = {{"radius", &s.radius},        {"padding", &s.padding},
                                                   {"disc", &s.handle_fraction}, {"brush", &s.brush_pixels},
-                                                  {"gap", &s.connect_gap},      {"membrane", &s.edit.membrane}};
-    for (std::size_t k = is(0, "now") ? 1 : 0; k < words_.size(); k += 2) {
+                                                  {"gap", &s.connect_gap},      {"membrane", &s.edit.membrane},
+                                                  {"detail", &s.edit.detail}};
+    return *reals.at(name);
+  }
+  void set() {
+    DragSettings s = window.session.settings();
+    for (std::size_t k = is(0, "now") || is(0, "passing") ? 1 : 0; k < words_.size(); k += 2) {
       if (words_[k] == "order") {
         s.edit.order = static_cast<int>(number(k + 1));
+      } else if (words_[k] == "falloff") {
+        s.falloff = static_cast<Falloff>(number(k + 1));
       } else {
-        *reals.at(words_[k]) = number(k + 1);
+        setting(s, words_[k]) = number(k + 1);
       }
     }
-    window.session.set_settings(s);
+    window.session.set_settings(s, is(0, "passing"));
     if (!is(0, "now")) window.session.wait();
   }
 
   void stroke() {
     const Vector2 from = window.at(vertex(0)).pixel, to = window.at(vertex(1)).pixel;
-    window.press(vertex(0), modifiers(2));
+    window.press(vertex(0), modifiers());
     for (const double fraction : {0.0, 0.25, 0.5, 0.75, 1.0}) {
       window.session.move(window.at((1 - fraction) * from + fraction * to));
     }
@@ -140,7 +145,7 @@ class Play {
     for (int v = is(0, "none") ? 1 : vertex(0); v <= (is(0, "none") ? 0 : vertex(1)); ++v) {
       if (v % 60 >= vertex(0) % 60 && v % 60 <= vertex(1) % 60) block.push_back(v);
     }
-    window.session.set_region(block);
+    window.session.set_painted(BrushTarget::Region, block);
   }
 
   void move_last() {
@@ -179,14 +184,16 @@ class Play {
   /// Compares numbers of a step of the record.
   void recorded() {
     const EditStep step = window.session.recorded().steps.at(static_cast<std::size_t>(number(0)));
-    const Vector3& t = step.handles.at(0).transform.translation;
+    const HandleGroup first = step.handles.empty() ? HandleGroup() : step.handles[0];
+    const Vector3& t = first.transform.translation;
     std::vector<double> degrees;
     for (const HandleGroup& group : step.handles) degrees.push_back(group.transform.degrees);
     const std::map<std::string, std::vector<double>> values = {{"membrane", {step.settings.membrane}},
                                                                {"padding", {step.region.padding}},
                                                                {"gap", {step.region.connect_gap}},
                                                                {"handles", {1.0 * step.handles.size()}},
-                                                               {"targets", {1.0 * step.handles[0].targets.size()}},
+                                                               {"targets", {1.0 * first.targets.size()}},
+                                                               {"detail", {step.settings.detail}},
                                                                {"anchors", {1.0 * step.region.anchors.vertices.size()}},
                                                                {"degrees", degrees},
                                                                {"translation", {t.x(), t.y(), t.z()}}};
@@ -200,11 +207,11 @@ class Play {
     if (on("keep")) return void(keep(words_.at(0)));
     // Events.
     if (on("set")) return set();
-    if (on("click")) return window.click(vertex(0), modifiers(1));
-    if (on("press")) return window.press(vertex(0), modifiers(1));
+    if (on("click")) return window.click(vertex(0), modifiers());
+    if (on("press")) return void(s.press(cursor(), modifiers()));
     if (on("move")) return s.move(cursor());
     if (on("release")) return s.release(cursor());
-    if (on("drag")) return window.drag(vertex(0), Vector2(number(1), number(2)), modifiers(3));
+    if (on("drag")) return window.drag(vertex(0), off(), modifiers());
     if (on("stroke")) return stroke(), s.wait();
     if (on("keys")) return window.keys(words_.at(0));
     if (on("enter")) return window.keys("\r");
@@ -223,9 +230,10 @@ class Play {
     if (on("cancel")) return s.cancel(), s.wait();
     if (on("finish")) return expect(s.finish(std::chrono::seconds(times)));
     if (on("reload")) return s.load(s.recorded());
+    if (on("clear")) return s.clear();
     if (on("whole")) return s.whole_component(), s.wait();
-    if (on("handle")) return s.set_handle(named()), s.wait();
-    if (on("anchors")) return s.set_anchors(named()), s.wait();
+    if (on("handle")) return s.set_painted(BrushTarget::Handle, named()), s.wait();
+    if (on("anchors")) return s.set_painted(BrushTarget::Anchors, named()), s.wait();
     if (on("region")) return take_block(), s.wait();
     if (on("last")) return move_last(), s.wait();
     // Checks.
@@ -274,6 +282,11 @@ class Play {
       for (int v = 0; v < window.host().rows(); ++v)
         equal(window.host().row(v), window.host().row(weld.representative(v)));
       return;
+    }
+    if (on("deep")) return expect(std::abs(window.host().col(2).cwiseAbs().maxCoeff() - number(0)) < 0.02);
+    if (on("has")) {
+      DragSettings settings = s.settings();
+      return equal(setting(settings, words_[0]), number(1));
     }
     if (on("no_last")) return expect(!s.last_step());
     if (on("last_is"))

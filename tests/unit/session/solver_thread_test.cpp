@@ -20,34 +20,69 @@
 namespace lapedit::solver_thread_test {
 namespace {
 
-PrepareTask task_for(int handle, double radius = 8) {
+PrepareTask task_on(const TriangleMesh& mesh, int handle, double radius) {
   PrepareTask task;
-  static const auto mesh = std::make_shared<const TriangleMesh>(shapes::bumpy_grid());
-  static const auto adjacency = std::make_shared<const Adjacency>(support::adjacency_of(*mesh));
-  task.mesh = mesh;
-  task.adjacency = adjacency;
+  task.mesh = std::make_shared<const TriangleMesh>(mesh);
+  task.adjacency = std::make_shared<const Adjacency>(support::adjacency_of(mesh));
   task.region.radius = radius;
   task.groups = {{handle}};
   task.scalar = StoredScalar::Double;
   return task;
 }
 
+PrepareTask task_for(int handle, double radius = 8) {
+  static const PrepareTask task = task_on(shapes::bumpy_grid(), 0, 1);
+  PrepareTask copy = task;
+  copy.region.radius = radius;
+  copy.groups = {{handle}};
+  return copy;
+}
+
 constexpr int kHandle = 3030;
 
-/// All updates until the worker rests, as one.
-SolverUpdate all_updates(SolverThread& worker, SolverPose& pose) {
-  SolverUpdate all;
-  while (worker.wait()) {
-    SolverUpdate update = worker.poll(pose);
-    all.region = update.region ? update.region : all.region;
-    all.report = update.report ? update.report : all.report;
-    all.applied = update.applied ? update.applied : all.applied;
-    all.ready |= update.ready;
-    all.pose |= update.pose;
-    all.error += update.error;
-    all.pose_error += update.pose_error;
+/// All that comes until the worker rests.
+struct Followed {
+  SolverUpdate all;  // as one
+  std::vector<SolverPose> poses;
+  int before_ready = 0;  // poses that came before the region was prepared
+
+  void listen(SolverThread& worker, bool to_the_first_pose = false) {
+    while (worker.wait()) {
+      SolverPose pose;
+      const SolverUpdate update = worker.poll(pose);
+      if (update.pose) {
+        before_ready += !all.ready && !update.ready;
+        poses.push_back(pose);
+      }
+      all.region = update.region ? update.region : all.region;
+      all.report = update.report ? update.report : all.report;
+      all.applied = update.applied ? update.applied : all.applied;
+      all.preview |= update.preview;
+      all.ready |= update.ready;
+      all.pose |= update.pose;
+      all.error += update.error;
+      all.pose_error += update.pose_error;
+      if (to_the_first_pose && update.pose) {
+        return;
+      }
+    }
   }
-  return all;
+  /// The longest displacement of a vertex from one pose to the next.
+  double longest_jump() const {
+    double longest = 0;
+    for (std::size_t k = 1; k < poses.size(); ++k) {
+      longest = std::max(longest, (poses[k].positions - poses[k - 1].positions).rowwise().norm().maxCoeff());
+    }
+    return longest;
+  }
+};
+
+/// @param pose  the last one
+SolverUpdate all_updates(SolverThread& worker, SolverPose& pose) {
+  Followed seen;
+  seen.listen(worker);
+  pose = seen.poses.empty() ? pose : seen.poses.back();
+  return seen.all;
 }
 
 TEST(SolverThread, PosesAreThoseOfTheStep) {
@@ -133,10 +168,7 @@ TEST(SolverThread, CancelAtAnyMomentDropsAll) {
 #ifdef LAPEDIT_HAVE_NO_THREADS
 TEST(SolverThread, WithoutAThreadForALargeRegionItPreparesItItself) {
   SolverPose expected, pose;
-  PrepareTask task = task_for(kHandle, 100);
-  const auto mesh = std::make_shared<const TriangleMesh>(shapes::grid(140, 140));
-  task.mesh = mesh;
-  task.adjacency = std::make_shared<const Adjacency>(support::adjacency_of(*mesh));
+  const PrepareTask task = task_on(shapes::grid(140, 140), kHandle, 100);
   const std::vector<HandleMotion> maps = {support::shift(Vector3(1, 2, 3))};
   {
     SolverThread worker(nullptr);
@@ -222,15 +254,13 @@ TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {
 
 /// Large enough that the cells answer long before the region is prepared.
 PrepareTask large_task() {
-  PrepareTask task;
-  static const auto mesh = std::make_shared<const TriangleMesh>(shapes::letter_field(254, 127));
-  static const auto adjacency = std::make_shared<const Adjacency>(support::adjacency_of(*mesh));
-  task.mesh = mesh;
-  task.adjacency = adjacency;
-  task.region.radius = 1.6;
-  task.groups = {{support::vertex_at(*mesh, {2, 1, 0})}};
-  task.settings.iterations = 1;
-  task.scalar = StoredScalar::Float;
+  static const PrepareTask task = [] {
+    const TriangleMesh mesh = shapes::letter_field(254, 127);
+    PrepareTask made = task_on(mesh, support::vertex_at(mesh, {2, 1, 0}), 1.6);
+    made.settings.iterations = 1;
+    made.scalar = StoredScalar::Float;
+    return made;
+  }();
   return task;
 }
 
@@ -240,40 +270,6 @@ Points exact_pose(const PrepareTask& task, const std::vector<HandleMotion>& maps
   solver.prepare(*task.mesh);
   return solver.pose(maps);
 }
-
-/// All poses until the worker rests, and which of them came before the region was prepared.
-struct Followed {
-  std::vector<SolverPose> poses;
-  int before_ready = 0;
-  bool preview = false, ready = false;
-  std::string error, pose_error;
-
-  void listen(SolverThread& worker, bool to_the_first_pose = false) {
-    while (worker.wait()) {
-      SolverPose pose;
-      const SolverUpdate update = worker.poll(pose);
-      preview |= update.preview;
-      if (update.pose) {
-        before_ready += !ready && !update.ready;
-        poses.push_back(pose);
-      }
-      ready |= update.ready;
-      error += update.error;
-      pose_error += update.pose_error;
-      if (to_the_first_pose && update.pose) {
-        return;
-      }
-    }
-  }
-  /// The longest displacement of a vertex from one pose to the next.
-  double longest_jump() const {
-    double longest = 0;
-    for (std::size_t k = 1; k < poses.size(); ++k) {
-      longest = std::max(longest, (poses[k].positions - poses[k - 1].positions).rowwise().norm().maxCoeff());
-    }
-    return longest;
-  }
-};
 
 const std::vector<HandleMotion> kLifted = {support::shift(Vector3(0.1, 0, 0.5))};
 
@@ -302,7 +298,7 @@ TEST(FirstFrames, FollowsFirstAndBecomesThePose) {
       const int serial = worker.solve(kLifted, false);
       Followed seen;
       seen.listen(worker);
-      EXPECT_TRUE(seen.preview && seen.ready);
+      EXPECT_TRUE(seen.all.preview && seen.all.ready);
       EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
       for (const SolverPose& pose : seen.poses) {
         EXPECT_EQ(pose.serial, serial);
@@ -321,7 +317,7 @@ TEST(FirstFrames, BecomesThePoseWhileTheMouseMoves) {
     worker.prepare(task);
     Followed seen;
     Affine at = kLifted[0].map;
-    for (int frame = 0; frame < 4000 && !(seen.ready && frame > 200); ++frame) {
+    for (int frame = 0; frame < 4000 && !(seen.all.ready && frame > 200); ++frame) {
       at.translation().z() = 0.5 + 1e-5 * frame;
       worker.solve({at}, false);
       seen.listen(worker, true);
@@ -329,7 +325,7 @@ TEST(FirstFrames, BecomesThePoseWhileTheMouseMoves) {
     const Points frame = seen.poses.back().positions;
     worker.solve({at}, true);
     seen.listen(worker);
-    EXPECT_TRUE(seen.ready);
+    EXPECT_TRUE(seen.all.ready);
     const Points exact = exact_pose(task, {at});
     EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
     return seen.before_ready >= 3 && (frame - exact).rowwise().norm().maxCoeff() < 0.02;
@@ -345,7 +341,7 @@ TEST(FirstFrames, WhatIsReleasedBeforeTheRegionIsPreparedIsExact) {
     worker.solve({support::shift(Vector3(0.1, 0, 0.4))}, false);
     Followed seen;
     seen.listen(worker, true);
-    const bool early = !seen.ready;
+    const bool early = !seen.all.ready;
     const int serial = worker.solve(kLifted, true);
     seen.listen(worker);
     EXPECT_EQ(seen.poses.back().serial, serial);
@@ -367,7 +363,7 @@ TEST(FirstFrames, NothingComesAfterCancel) {
   Followed after;
   after.listen(worker);
   EXPECT_TRUE(after.poses.empty());
-  EXPECT_FALSE(after.ready);
+  EXPECT_FALSE(after.all.ready);
   EXPECT_FALSE(worker.busy());
 }
 
@@ -383,7 +379,7 @@ TEST(FirstFrames, AnotherRegionHasFramesWhileTheOldOneIsStillPrepared) {
   worker.solve(kLifted, true);
   Followed second;
   second.listen(worker);
-  ASSERT_TRUE(second.ready);
+  ASSERT_TRUE(second.all.ready);
   EXPECT_TRUE(support::same_bits(second.poses.back().positions, exact_pose(other, kLifted)));
 }
 
@@ -423,7 +419,7 @@ TEST(FirstFrames, RefusalsAreReported) {
   worker.solve({support::shift(Vector3(std::nan(""), 0, 0))}, true);
   Followed seen;
   seen.listen(worker);
-  EXPECT_NE(seen.pose_error.find("finite"), std::string::npos);
+  EXPECT_NE(seen.all.pose_error.find("finite"), std::string::npos);
   EXPECT_TRUE(seen.poses.empty());
   worker.solve(kLifted, true);
   seen.listen(worker);

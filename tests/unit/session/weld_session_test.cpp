@@ -43,7 +43,7 @@ TEST(DragWeld, SelectionsOfOneSideCount) {
       right.push_back(v);
     }
   }
-  window.session.set_region(right);
+  window.session.set_painted(BrushTarget::Region, right);
   window.click(nearest_vertex(window.session.mesh(), Vector3(40, 20, 0)));
   EXPECT_TRUE(window.session.unconnected().empty());
   EXPECT_EQ(window.region().size(), right.size());

@@ -8,8 +8,6 @@ namespace lapedit::host {
 
 using PointParameter = RichPosition;
 using LengthParameter = RichPercentage;
-using MatrixValue = Matrix44Value;
-using PointValue = Point3Value;
 
 inline bool is_point(const Value& value) {
   return value.isPoint3();
