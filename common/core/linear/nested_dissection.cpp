@@ -10,79 +10,30 @@
 #include <numeric>
 #include <utility>
 
-#include "lapedit/base/compressed_rows.h"
 #include "lapedit/base/simd.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/base/whole_part.h"
+#include "lapedit/linear/dissection_pieces.h"
 #include "lapedit/linear/linear.h"
 
 namespace lapedit {
 
+using namespace dissection;
+
 namespace {
 
-constexpr int kLeafWords = 4;           // 64-bit words of a leaf's rows
-constexpr int kLargeLeafWords = 16;     // as kLeafWords, for a piece that cannot be divided
-constexpr double kTail = 0.2;           // a plane leaves at least this fraction of the vertices on each side
-constexpr double kHub = 4;              // times the root of a piece's size: no cut goes through a vertex with more
-constexpr int kAlwaysSearched = 2000;   // vertices; the search runs on a smaller piece if its plane is not good
-constexpr double kGoodScore = 3.5;      // of a plane; a straight cut through the middle of an even disc has 2.6
-constexpr double kLeastLevel = 0.05;    // as kTail, for a cut between levels of a search
-constexpr int kThreadGrain = 4000;      // vertices
-constexpr double kBalance = 5;          // penalty of an uneven division, see score(); found by experiment
-constexpr double kLeastPart = 0.02;     // a division with a smaller side, as a fraction, is of no use
-constexpr double kMostSeparated = 0.6;  // the same for a larger separator
+constexpr int kLeafWords = 4;          // 64-bit words of a leaf's rows
+constexpr int kLargeLeafWords = 16;    // as kLeafWords, for a piece that cannot be divided
+constexpr double kTail = 0.2;          // a plane leaves at least this fraction of the vertices on each side
+constexpr double kHub = 4;             // times the root of a piece's size: no cut goes through a vertex with more
+constexpr int kAlwaysSearched = 2000;  // vertices; the search runs on a smaller piece if its plane is not good
+constexpr double kGoodScore = 3.5;     // of a plane; a straight cut through the middle of an even disc has 2.6
+constexpr double kLeastLevel = 0.05;   // as kTail, for a cut between levels of a search
+constexpr int kThreadGrain = 4000;     // vertices
 
-/// Vertices to be ordered, surrounded by ghosts: adjacent vertices of separators above. Two
-/// vertices with a common ghost are neighbours in the matrix's graph.
-struct Piece {
-  int inner = 0;            ///< vertices 0 .. inner - 1 are to be ordered, the others are ghosts
-  std::vector<int> vertex;  ///< their numbers in the whole graph
-  CompressedRows next;      ///< first neighbours; a ghost's are inner vertices only
-  std::vector<float> at;    ///< coordinates, three each
-
-  int size() const { return static_cast<int>(vertex.size()); }
-};
-
-enum Side : std::uint8_t { kLow, kHigh, kSeparator, kGhost };
-
-using Counts = std::array<int, 4>;  // vertices per side
-
-/// Scratch memory of one thread. The first arrays have an entry per vertex of a piece.
-struct Scratch {
-  std::vector<std::uint8_t> side;      // Side
-  std::vector<std::uint8_t> position;  // bin along the axis; then whether beyond the cut
-  std::vector<float> along;            // coordinate on the axis
-  std::vector<int> queue, level;       // of the breadth-first search
-  std::vector<int> local;              // number in a piece
-  std::vector<int> from, values;       // of a piece
-  std::vector<std::uint64_t> nets;     // of a leaf
-
-  void fit(int size) {
-    if (static_cast<int>(side.size()) < size) {
-      side.resize(size);
-      position.resize(size);
-      along.resize(size);
-      queue.resize(size);
-      level.resize(size);
-      local.resize(size);
-    }
-  }
-};
-
-/// Returns whether a division is worth pursuing.
-bool is_division(const Counts& counts) {
-  const int n = counts[kLow] + counts[kHigh] + counts[kSeparator];
-  return std::min(counts[kLow], counts[kHigh]) >= kLeastPart * n && counts[kSeparator] <= kMostSeparated * n;
-}
-
-/// Returns the cost of a separator per vertex of the piece: the entries of its triangle, and more for an uneven
-/// division, whose larger side needs more levels.
-double score(double low, double high, double separator) {
-  low = std::max(low, 0.0);
-  high = std::max(high, 0.0);
-  const double fraction = (low + 0.5) / (low + high + 1);
-  const double entropy = -(fraction * std::log2(fraction) + (1 - fraction) * std::log2(1 - fraction));
-  return 0.5 * separator * separator / (low + high + separator) + kBalance * (1 - entropy);
+/// Returns the number of layers on each side of a separator in which to search for a smaller one.
+int band_layers(int vertices) {
+  return vertices < 500 ? 1 : vertices < 10000 ? 2 : 3;
 }
 
 // ---- Leaves ---------------------------------------------------------------------------------------------------------
@@ -387,6 +338,7 @@ bool divide(const Piece& piece, Scratch& scratch, Counts& counts) {
     scratch.side[v] = cut ? std::uint8_t{kSeparator} : scratch.position[v];
     ++counts[scratch.side[v]];
   }
+  improve_separator(piece, scratch, counts, band_layers(n));
   return is_division(counts);
 }
 
