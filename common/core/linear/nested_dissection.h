@@ -12,9 +12,9 @@ namespace lapedit {
 /// Laplacian).
 ///
 /// Nested dissection (George 1973) of the graph of first and second neighbours, which is never stored: a piece is cut
-/// by a plane or between two levels of a breadth-first search, and the vertices on both sides of the cut are its
-/// separator. The pieces after some levels are ordered by minimum degree. Correct for any graph and any points; fill is
-/// small for surfaces.
+/// by a plane or between two levels of a breadth-first search, a maximum flow finds the smallest separator in a band
+/// around the cut, and the pieces after some levels are ordered by minimum degree. Correct for any graph and any
+/// points; fill is small for surfaces.
 /// @param neighbours  first neighbours, symmetric, each once
 /// @param points      n x 3, finite, any unit: decide where to cut
 /// @param threads     to use (0: all of the machine's); the order does not depend on it

@@ -151,7 +151,7 @@ SparseMatrix system_of(const Graph& graph) {
 }
 
 /// Fails if the order is one that fills the factor: it is there for no other reason. On a narrow limb, where minimum
-/// degree is at its best, it is 27 % worse.
+/// degree is at its best, it is 11 % worse.
 TEST(EliminationOrder, FillsHardlyMoreThanMinimumDegreeOrLess) {
   const auto fill_over_minimum_degree = [](const Graph& graph) {
     const SparseMatrix system = system_of(graph);
@@ -161,8 +161,8 @@ TEST(EliminationOrder, FillsHardlyMoreThanMinimumDegreeOrLess) {
     options.order = fill_reducing_ordering(graph.neighbours(), 1);
     return static_cast<double>(SparseCholesky(system, options).factor_nonzeros()) / by_degree;
   };
-  EXPECT_LT(fill_over_minimum_degree(surface(Surface::Plane, 180, 170)), 1.05);
-  EXPECT_LT(fill_over_minimum_degree(surface(Surface::Tube, 120, 260)), 1.3);
+  EXPECT_LT(fill_over_minimum_degree(surface(Surface::Plane, 180, 170)), 1);
+  EXPECT_LT(fill_over_minimum_degree(surface(Surface::Tube, 120, 260)), 1.2);
 }
 
 /// Fails if the factorisation ignores an order, or reads it the other way round.

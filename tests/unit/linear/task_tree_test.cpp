@@ -35,7 +35,7 @@ TEST(TreeWalk, ThreadThatIsHeldUpHoldsUpNothingButItsTask) {
   const int tasks = static_cast<int>(tree.tasks.size());
   const auto caller = std::this_thread::get_id();
   for (const bool up : {true, false}) {
-    // A new one, whose threads have no work of the other direction.
+    // A new one: the old one may go on alone for a while, since waiting for its helper has cost so much.
     ThreadPool pool(2);
     TreeWalk walk(tree, pool.threads());
     std::atomic<int> done{0};
