@@ -22,7 +22,9 @@ Faces finite_faces(const TriangleMesh& scan) {
   Eigen::Index count = 0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const bool is_face = scan.faces.rows() == 0 || faces(f, 0) != faces(f, 1);
-    if (is_face && scan.vertices(faces.row(f), Eigen::all).allFinite()) {
+    const auto corners = faces.row(f);
+    if (is_face &&
+        (scan.vertices.row(corners[0]) + scan.vertices.row(corners[1]) + scan.vertices.row(corners[2])).allFinite()) {
       faces.row(count++) = faces.row(f);
     }
   }
@@ -63,7 +65,9 @@ Eigen::MatrixXd carry_over(const TriangleMesh& scan, const Eigen::MatrixXd& valu
     }
     const NearestPoint found = surface.nearest(at.row(i).transpose());
     if (found.squared <= most * most) {
-      carried.row(i) = found.weights.transpose() * values(faces.row(found.face), Eigen::all);
+      const auto corners = faces.row(found.face);
+      carried.row(i) = found.weights[0] * values.row(corners[0]) + found.weights[1] * values.row(corners[1]) +
+                       found.weights[2] * values.row(corners[2]);
     }
   });
   return carried;
