@@ -21,7 +21,7 @@ class Usage(ProgramTest):
         text = self.done("--help")
         options = set(re.findall(r"(?m)^ +(?:-\w, )?(--[a-z-]+)", text))
         self.assertEqual(options, {"--" + name for name in ("fit", "symmetrise", "fraction", "fractions", "landmarks", "nearest", "info", "report",
-                                                            "contact", "quality", "strict", "quiet", "help", "version")})
+                                                            "contact", "quality", "strict", "quiet", "help", "version", "transfer", "within")})
         self.assertLess(max(map(len, text.splitlines())), 82)
         codes = re.findall(r"(?m)^  (\d)  (.+)$", text)
         self.assertEqual([code for code, _ in codes], list("0123456"))

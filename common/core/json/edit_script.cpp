@@ -167,6 +167,23 @@ void read(const JsonValue& value, std::vector<int>& vertices) {
   }
 }
 
+/// Numbers of a scan's faces, written as vertex lists are.
+struct FaceNumbers {
+  std::vector<int>& faces;
+};
+
+void read(const JsonValue& value, FaceNumbers& numbers) {
+  Source& source = *value.source;
+  const Source of_mesh = source;
+  source.end = std::int64_t{1} << 31;
+  source.most = kMostListedVertices;
+  source.by_position = false;
+  read(value, numbers.faces);
+  source.end = of_mesh.end;
+  source.most = of_mesh.most;
+  source.by_position = of_mesh.by_position;
+}
+
 // The entries of a list, for messages.
 template <class Value>
 constexpr const char* kSeveral = "points";
@@ -230,6 +247,10 @@ Json json_of(std::vector<int>& vertices) {
     }
   }
   return text;
+}
+
+Json json_of(FaceNumbers& numbers) {
+  return json_of(numbers.faces);
 }
 
 template <class Value>
@@ -463,7 +484,8 @@ void visit(Keys& keys, FitStep& fit) {
   keys.may("borders", settings.borders);
   Nested exclude = {[&fit](Keys& inside) {
     inside.may("vertices", fit.exclude);
-    inside.may("scan_faces", fit.exclude_faces);
+    FaceNumbers numbers = {fit.exclude_faces};
+    inside.may("scan_faces", numbers, !fit.exclude_faces.empty());
     inside.may("scan_selected", fit.exclude_selected);
     if (inside.from != nullptr && !inside.has("vertices") && !inside.has("scan_faces") &&
         !inside.has("scan_selected")) {
