@@ -227,7 +227,9 @@ std::string MeshFile::edited(const EditResult& result, int& sharedNormals, const
   for (const FileNormals& each : normals) {
     sharedNormals += replaceNormals(each, after, mesh.faces, isMoved, rewriter);
   }
-  replaceColumns(*this, carried, rewriter);
+  if (!carried.columns.empty()) {
+    replaceColumns(*this, carried, rewriter);
+  }
   return rewriter.finished();
 }
 
