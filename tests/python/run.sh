@@ -28,9 +28,9 @@ trap 'rm -rf "$venv"' EXIT
   { cat "$venv/log" >&2; exit 1; }
 "$venv/bin/python" -c 'import sys, numpy; print("Python", sys.version.split()[0], "NumPy", numpy.__version__)'
 for test in $tests; do
-  PYTHONDONTWRITEBYTECODE=1 LAPEDIT_COMMAND=$3 LAPEDIT_MAKE_MESH=$(dirname "$3")/../common/demo/make_mesh LAPEDIT_MESHES=$4 "$venv/bin/python" "$here/${test}_test.py"
+  PYTHONDONTWRITEBYTECODE=1 LAPEDIT_COMMAND=$3 LAPEDIT_MAKE_MESH=$(dirname "$3")/../demo/make_mesh LAPEDIT_MESHES=$4 "$venv/bin/python" "$here/${test}_test.py"
 done
 if [ "$1" = newest ]; then
-  PYTHONDONTWRITEBYTECODE=1 LAPEDIT_COMMAND=$3 LAPEDIT_MAKE_MESH=$(dirname "$3")/../common/demo/make_mesh \
+  PYTHONDONTWRITEBYTECODE=1 LAPEDIT_COMMAND=$3 LAPEDIT_MAKE_MESH=$(dirname "$3")/../demo/make_mesh \
     "$venv/bin/python" "$here/../documents/cookbook_test.py" --python
 fi
