@@ -181,6 +181,9 @@ class Job {
     }
     edit =
         in_space(with_scans(std::move(edit), [this](const FitStep& fit) { return readScan(fit, scan_); }), file_.space);
+    if (options_.transfer.empty()) {
+      scan_ = {};
+    }
     const Adjacency adjacency = build_adjacency(static_cast<int>(file_.mesh.vertices.rows()), file_.mesh.faces);
     const auto finish = [&](EditResult&& pose) {
       measure(pose);

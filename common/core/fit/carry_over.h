@@ -8,7 +8,7 @@
 namespace lapedit {
 
 /// Returns the values of a scan at its points that are nearest to others, as after a fit.
-/// @param scan  a mesh, or points without faces; what is not finite is left out
+/// @param scan  a mesh, or points without faces; points that are not finite are left out
 /// @param values  one row per vertex of the scan; between vertices they are linear
 /// @param within  up to which distance, model units; none: 2 % of the scan's size
 /// @return one row per point, NaN where the scan is farther away
