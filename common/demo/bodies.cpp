@@ -311,33 +311,4 @@ TriangleMesh person() {
   return Body(parts, 0.024).mesh();
 }
 
-TriangleMesh terrain(int rows) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(Eigen::Index{rows} * rows, 3);
-  for (int i = 0; i < rows; ++i)
-    for (int j = 0; j < rows; ++j) {
-      const double x = 4.0 * i / (rows - 1), y = 4.0 * j / (rows - 1);
-      auto hill = [&](double cx, double cy, double height, double width) {
-        return height * std::exp(-((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (width * width));
-      };
-      double z = hill(1.9, 2.1, 0.75, 0.55) + hill(1.9, 2.1, 0.35, 0.2) + hill(3.1, 1, 0.4, 0.7) +
-                 hill(0.8, 3.2, 0.3, 0.5) + hill(3.3, 3.2, 0.25, 0.4);
-      double size = 0.08;
-      for (const double wave : {2.3, 5.1, 11.3, 23.9}) {  // gullies
-        z += size * std::sin(wave * x + 1.7 * std::sin(wave * 0.7 * y)) * std::cos(wave * y - std::sin(wave * 0.6 * x));
-        size *= 0.42;
-      }
-      mesh.vertices.row(rows * i + j) << x, y, z;
-    }
-  mesh.faces.resize(Eigen::Index{2} * (rows - 1) * (rows - 1), 3);
-  Eigen::Index f = 0;
-  for (int i = 0; i + 1 < rows; ++i)
-    for (int j = 0; j + 1 < rows; ++j) {
-      const int q = rows * i + j;
-      mesh.faces.row(f++) << q, q + rows, q + 1;
-      mesh.faces.row(f++) << q + 1, q + rows, q + rows + 1;
-    }
-  return mesh;
-}
-
 }  // namespace lapedit::shapes

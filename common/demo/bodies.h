@@ -26,7 +26,4 @@ TriangleMesh dragon();
 /// shoulders at x = 0.4 and -0.4, y = 0.8, fingertips near (1.08, -0.4, 0.1) and its mirror image.
 TriangleMesh person();
 
-/// A height field z(x, y) over [0, 4] x [0, 4] with a peak near (1.9, 2.1, 1.1), hills and gullies; open.
-TriangleMesh terrain(int rows = 170);
-
 }  // namespace lapedit::shapes

@@ -27,8 +27,6 @@ const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
     {"bar", [] { return shapes::bar(60, 14, 14); }},
     {"arm", [] { return shapes::tapered_arm(120, 140); }},
     {"field", [] { return shapes::letter_field(300, 150); }},
-    {"million", [] { return shapes::letter_field(1420, 710); }},
-    {"three_million", [] { return shapes::letter_field(2450, 1225); }},
     {"head", [] { return shapes::head(); }},
     {"coarse_head", [] { return shapes::head(0.048); }},
     {"fine_head", [] { return shapes::head(0.0214); }},
@@ -37,8 +35,6 @@ const std::map<std::string, std::function<TriangleMesh()>> kMeshes = {
     {"creature", [] { return shapes::creature(); }},
     {"dragon", [] { return shapes::dragon(); }},
     {"person", [] { return shapes::person(); }},
-    {"terrain", [] { return shapes::terrain(); }},
-    {"plate", [] { return shapes::bar(80, 50, 2); }},
 };
 
 void write_ply(const std::string& path, const TriangleMesh& mesh) {
