@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "peers.h"
 
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_deformation.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "lapedit/base/stopwatch.h"
@@ -22,17 +25,21 @@ Mesh::Vertex_index index_of(int v) {
   return Mesh::Vertex_index(static_cast<Mesh::size_type>(v));
 }
 
-Mesh cgal_mesh(const lapedit::TriangleMesh& mesh) {
-  Mesh result;
-  for (const auto& p : mesh.vertices.rowwise()) {
+/// Returns the faces that have an area and make no edge of three faces, with their numbers.
+template <class Surface>
+std::pair<Surface, std::vector<int>> cgal_mesh(const lapedit::Faces& faces, const lapedit::Points& positions) {
+  Surface result;
+  std::vector<int> numbers;
+  for (const auto& p : positions.rowwise()) {
     result.add_vertex({p[0], p[1], p[2]});
   }
-  for (const auto& f : mesh.faces.rowwise()) {
-    if (f[0] != f[1] && f[1] != f[2] && f[2] != f[0]) {
-      result.add_face(index_of(f[0]), index_of(f[1]), index_of(f[2]));
+  for (int f = 0; f < faces.rows(); ++f) {
+    const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
+    if (a != b && b != c && c != a && result.add_face(index_of(a), index_of(b), index_of(c)).is_valid()) {
+      numbers.push_back(f);
     }
   }
-  return result;
+  return {std::move(result), std::move(numbers)};
 }
 
 template <CGAL::Deformation_algorithm_tag tag>
@@ -40,7 +47,7 @@ MethodResult deformed(const Problem& scene, int iterations) {
   const lapedit::TriangleMesh& mesh = scene.mesh;
   const lapedit::Region& region = scene.region;
   using Deformation = CGAL::Surface_mesh_deformation<Mesh, CGAL::Default, CGAL::Default, tag>;
-  Mesh surface = cgal_mesh(mesh);
+  Mesh surface = cgal_mesh<Mesh>(mesh.faces, mesh.vertices).first;
   MethodResult result;
   lapedit::Stopwatch watch;
   Deformation deformation(surface);
@@ -94,6 +101,24 @@ MethodResult arap(const Problem& scene, int iterations) {
 
 MethodResult smooth_arap(const Problem& scene) {
   return deformed<CGAL::SRE_ARAP>(scene, kArapIterations);
+}
+
+std::vector<std::pair<int, int>> intersecting_pairs(const lapedit::Faces& faces, const std::vector<int>& looked_at,
+                                                    const lapedit::Points& positions) {
+  using Exact = CGAL::Surface_mesh<CGAL::Exact_predicates_inexact_constructions_kernel::Point_3>;
+  const auto [surface, numbers] = cgal_mesh<Exact>(faces, positions);
+  std::vector<std::pair<Exact::Face_index, Exact::Face_index>> found;
+  CGAL::Polygon_mesh_processing::self_intersections(surface, std::back_inserter(found));
+  std::vector<std::pair<int, int>> result;
+  for (const auto& [f, g] : found) {
+    const std::pair<int, int> pair = std::minmax(numbers[f], numbers[g]);
+    const auto is_looked_at = [&](int face) { return std::binary_search(looked_at.begin(), looked_at.end(), face); };
+    if (f != g && (is_looked_at(pair.first) || is_looked_at(pair.second))) {
+      result.push_back(pair);
+    }
+  }
+  std::sort(result.begin(), result.end());
+  return result;
 }
 
 }  // namespace quality

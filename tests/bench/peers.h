@@ -87,7 +87,8 @@ MethodResult timed(const Problem& scene, int count,
                    const std::function<NextFrame(const RegionMatrices&, Eigen::MatrixXd&)>& prepare);
 
 /// Pairs of faces that cut or touch each other elsewhere than in what they share, at least one of each pair among those
-/// looked at: decided exactly, by CGAL's predicates. Lower number first, ascending. Faces without area are left out.
+/// looked at: decided exactly, by CGAL. Lower number first, ascending. Faces without area, and those that make the mesh
+/// no manifold, are skipped.
 std::vector<std::pair<int, int>> intersecting_pairs(const lapedit::Faces& faces, const std::vector<int>& looked_at,
                                                     const lapedit::Points& positions);
 
