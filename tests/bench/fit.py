@@ -6,62 +6,36 @@ import pathlib
 import re
 import resource
 import subprocess
+import sys
 import tempfile
 import time
 
 import numpy as np
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests/cli"), str(ROOT / "tests/compat")]
 
-def read_ply(path):
-    lines = path.read_text(encoding="ascii").split("end_header\n")
-    counts = [int(line.split()[2]) for line in lines[0].splitlines() if line.startswith("element")]
-    numbers = np.array(lines[1].split(), dtype=float)
-    vertices = numbers[:3 * counts[0]].reshape(-1, 3)
-    return vertices, numbers[3 * counts[0]:].reshape(-1, 4)[:, 1:].astype(np.int32)
+import ply_meshes  # noqa: E402
+from surfaces import crosses, normals_of, read, write  # noqa: E402
 
 
 def maker(program, folder):
     """Returns the function that makes the mesh of a name."""
     def make(shape):
         subprocess.run([program, shape, folder / "mesh.ply"], check=True)
-        return read_ply(folder / "mesh.ply")
+        return read_mesh(folder / "mesh.ply")
     return make
+
+
+def read_mesh(path):
+    points, faces = ply_meshes.read(path)
+    return np.array(points), np.array(faces, np.int32)
 
 
 def read_obj(path):
     rows = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
     return (np.array([row[1:4] for row in rows if row[:1] == ["v"]], dtype=float),
             np.array([[int(word.split("/")[0]) - 1 for word in row[1:4]] for row in rows if row[:1] == ["f"]], dtype=np.int32))
-
-
-def write_ply(path, vertices, faces, normals=None):
-    fields = ["x", "y", "z"] + (["nx", "ny", "nz"] if normals is not None else [])
-    with open(path, "wb") as file:
-        header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
-        header += [f"property double {name}" for name in fields]
-        header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
-        file.write("\n".join(header).encode())
-        file.write((vertices if normals is None else np.hstack([vertices, normals])).astype("<f8").tobytes())
-        rows = np.zeros(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
-        rows["count"], rows["corners"] = 3, faces
-        file.write(rows.tobytes())
-
-
-def read_result(path, count):
-    data = path.read_bytes()
-    at = data.index(b"end_header\n") + len(b"end_header\n")
-    return np.frombuffer(data, "<f8", 3 * count, at).reshape(-1, 3)
-
-
-def area_normals(vertices, faces):
-    return np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
-
-
-def vertex_normals(vertices, faces):
-    sums = np.zeros_like(vertices)
-    for corner in range(3):
-        np.add.at(sums, faces[:, corner], area_normals(vertices, faces))
-    return sums / np.maximum(np.linalg.norm(sums, axis=1), 1e-300)[:, None]
 
 
 def size_of(vertices):
@@ -121,7 +95,7 @@ def scattered(vertices, faces, rng):
     template's faces, to which MeshMonk draws the template's vertices: errors are then the distance of these."""
     from scipy.spatial import Delaunay, cKDTree
     flat, border = flattened(vertices, faces)
-    areas, count = np.linalg.norm(area_normals(vertices, faces), axis=1), 8 * len(vertices)
+    areas, count = np.linalg.norm(crosses(vertices, faces), axis=1), 8 * len(vertices)
     chosen, shares = faces[rng.choice(len(faces), count, p=areas / areas.sum())], rng.dirichlet(np.ones(3), count)[:, :, None]
     points, places = (shares * vertices[chosen]).sum(1), (shares * flat[chosen]).sum(1)
     radius = 0.8 * np.sqrt(areas.sum() / 2 / len(vertices))
@@ -133,7 +107,7 @@ def scattered(vertices, faces, rng):
     points, places = np.vstack([vertices[border], points[keep]]), np.vstack([flat[border], places[keep]])
     made = Delaunay(places).simplices
     a, b = places[made[:, 1]] - places[made[:, 0]], places[made[:, 2]] - places[made[:, 0]]
-    if (area_normals(vertices, faces).sum(0) @ area_normals(points, made).sum(0)) < 0:
+    if (crosses(vertices, faces).sum(0) @ crosses(points, made).sum(0)) < 0:
         made = made[:, ::-1]
     return points, made[np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > 1e-9].astype(np.int32)
 
@@ -159,13 +133,13 @@ def harder(vertices, faces, rng, size):
         keep &= height < np.quantile(height, 0.94)
     vertices, faces = cut(vertices, faces, keep)
     noise = 0.003 * size * rng.normal(size=(len(vertices), 1))
-    return vertices + noise * vertex_normals(vertices, faces), faces, holes
+    return vertices + noise * normals_of(vertices, faces), faces, holes
 
 
 def folds(before, after, faces):
     """Faces at edges that were nearly flat and are folded by more than 100 degrees."""
     unit = [n / np.maximum(np.linalg.norm(n, axis=1), 1e-300)[:, None] for n in
-            (area_normals(before, faces), area_normals(after, faces))]
+            (crosses(before, faces), crosses(after, faces))]
     edges, bad = {}, set()
     for number, face in enumerate(faces.tolist()):
         for k in range(3):
@@ -246,11 +220,11 @@ def generated_cases(make):
     yield from heads(make("coarse_head"), coarse, 1, "coarse head {}")
     yield next(heads(make("finest_head"), fine, 1, "finest head {}"))
     collar = np.clip(-0.8 - fine[0][:, 1], 0, 0.1) * 0.4
-    clothed = fine[0] + collar[:, None] * vertex_normals(*fine)
+    clothed = fine[0] + collar[:, None] * normals_of(*fine)
     yield Case("head, offset at the neck as of clothes", template, faces, warped(template, template, 2),
                (warped(clothed, template, 2), fine[1]))
     noise = 0.008 * np.random.default_rng(3).normal(size=template.shape) * (template[:, 2:] < 0)
-    normals = vertex_normals(*coarse)
+    normals = normals_of(*coarse)
     uneven = template + noise - (noise * normals).sum(1)[:, None] * normals
     yield Case("head, uneven template", uneven, faces, warped(uneven, template, 1), (warped(fine[0], template, 1), fine[1]))
     yield from poses(make("person"))
@@ -284,8 +258,8 @@ def edit_of(case, options):
 
 def fit_ours(case, program, folder, options):
     names = [folder / name for name in ("template.ply", "scan.ply", "out.ply", "edit.json", "report.json")]
-    write_ply(names[0], case.template, case.faces)
-    write_ply(names[1], *case.scan, case.normals)
+    write(names[0], case.template, case.faces)
+    write(names[1], *case.scan, case.normals)
     names[3].write_text(edit_of(case, options), encoding="ascii")
     before = processor_time()
     done = subprocess.run([program, "-q", "--report", names[4], names[0], names[2], names[3]], check=False, capture_output=True, text=True)
@@ -293,7 +267,7 @@ def fit_ours(case, program, folder, options):
         return None, {"error": done.stderr.strip()}
     report = json.loads(names[4].read_text(encoding="utf-8"))
     step = report["outputs"][0]["steps"][0]
-    return read_result(names[2], len(case.template)), {
+    return read(names[2], len(case.template)), {
         "seconds": processor_time() - before, "advice": step["advice"], "fit": step["fit"]}
 
 
@@ -320,8 +294,8 @@ def fit_meshmonk(case, start):
     flags[np.unique(unique[counts == 1])] = 0  # as its authors advise
     begin = time.process_time()
     result = meshmonk.pyramid_register(
-        floating_features=np.hstack([start, vertex_normals(start, case.faces)]).astype(np.float32),
-        target_features=np.hstack([points, vertex_normals(points, faces)]).astype(np.float32), floating_faces=case.faces,
+        floating_features=np.hstack([start, normals_of(start, case.faces)]).astype(np.float32),
+        target_features=np.hstack([points, normals_of(points, faces)]).astype(np.float32), floating_faces=case.faces,
         target_faces=faces, floating_flags=np.ones(count, np.float32), target_flags=flags)
     return np.asarray(result.aligned_features)[:, :3].astype(float) / scale, time.process_time() - begin
 
@@ -352,7 +326,7 @@ def picture(options):
         result, _ = fit_ours(case, options.program, folder, {})
         error = np.linalg.norm(result - case.truth, axis=1) / case.size
         np.savetxt(folder / "error.txt", np.where(error < 0.01, 2, np.where(error < 0.02, 0, 1)), fmt="%d")
-        write_ply(folder / "fitted.ply", result, case.faces)
+        write(folder / "fitted.ply", result, case.faces)
         command = ["xvfb-run", "-a", "/usr/bin/python3", "common/demo/render.py", options.picture, "--toward", "0.5", "0.1", "1", "--up", "0",
                    "1", "0", "--height", "300"]
         for mesh, caption, *classes in (("template", "template"), ("scan", "scan"), ("fitted", "fitted"),

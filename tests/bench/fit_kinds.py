@@ -9,6 +9,7 @@ import tempfile
 import numpy as np
 
 import fit
+from surfaces import together
 
 
 def sphere(count, rng):
@@ -19,7 +20,7 @@ def sphere(count, rng):
     points = np.stack([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z], 1)
     points = points @ np.linalg.qr(rng.normal(size=(3, 3)))[0]
     faces = ConvexHull(points).simplices.astype(np.int32)
-    inward = (fit.area_normals(points, faces) * points[faces].mean(1)).sum(1) < 0
+    inward = (fit.crosses(points, faces) * points[faces].mean(1)).sum(1) < 0
     faces[inward] = faces[inward][:, ::-1]
     return points, faces
 
@@ -89,10 +90,6 @@ def cropped(vertices, faces, rng, part):
     return vertices[used], index.reshape(-1, 3).astype(np.int32)
 
 
-def joined(first, second):
-    return np.vstack([first[0], second[0]]), np.vstack([first[1], second[1] + len(first[0])]).astype(np.int32)
-
-
 def grid(columns, rows, width, height):
     x, y = np.meshgrid(np.linspace(-width, width, columns), np.linspace(-height, height, rows))
     at = np.arange(columns * rows).reshape(rows, columns)
@@ -112,7 +109,7 @@ def of_bodies(bodies, rng):
         bend, size = warp(vertices, rng, 0.04), fit.size_of(vertices)
         ball = sphere(1200, rng)
         beside = (vertices.mean(0) + [1.6 * size, 0.2 * size, 0] + 0.5 * size * ball[0], ball[1])
-        yield "another object", fit.Case(f"{name} and a ball", *template, bend(vertices), joined((bend(scan[0]), scan[1]), beside))
+        yield "another object", fit.Case(f"{name} and a ball", *template, bend(vertices), together((bend(scan[0]), scan[1]), beside, 0))
         if name in ("hand", "octopus"):  # the others are nearly their own mirror images
             image = [-1, 1, 1]
             yield "mirrored", fit.Case(f"{name} mirrored", *template, bend(vertices) * image, (bend(scan[0]) * image, scan[1][:, ::-1].copy()))
@@ -165,10 +162,7 @@ def cases(make, meshes, seed):
     for name in ("person", "hand", "creature"):
         bodies[name] = make(name), fit.dual(*make(name))
     for name in ("octopus", "mannequin"):
-        words = (meshes / f"{name}.off").read_text(encoding="ascii").split()
-        count = int(words[1])
-        mesh = (np.array(words[4:4 + 3 * count], float).reshape(-1, 3),
-                np.array(words[4 + 3 * count:], int)[:4 * int(words[2])].reshape(-1, 4)[:, 1:].astype(np.int32))
+        mesh = fit.read_mesh(meshes / f"{name}.off")
         bodies[name] = mesh, fit.dual(*mesh)
     yield from of_bodies(bodies, rng)
     yield from of_faces(meshes, rng)

@@ -14,8 +14,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests/cli"), str(ROOT / "tests/compat")]
 
 import ply_meshes  # noqa: E402
+from surfaces import X, Y, Z, grid, nearest, rotation, tube as round_tube  # noqa: E402
 
-X, Y, Z = np.eye(3)
 ORIGIN = np.zeros(3)
 
 
@@ -25,25 +25,6 @@ def read(path):
     """In single precision, as MeshLab reads them."""
     points, faces = ply_meshes.read(path)
     return np.array(points, np.float32).astype(float), np.array(faces, np.int32)
-
-
-def grid(rows, columns):
-    points = np.stack([*np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij"), np.zeros((rows, columns))], 2).reshape(-1, 3)
-    q = (columns * np.arange(rows - 1)[:, None] + np.arange(columns - 1)).ravel()
-    return points, np.stack([np.stack([q, q + columns, q + 1], 1), np.stack([q + 1, q + columns, q + columns + 1], 1)], 1).reshape(-1, 3)
-
-
-def cylinder(around, rings, length):
-    """Of radius 1 along x, closed by fans."""
-    angle = 2 * np.pi * np.arange(around) / around
-    wall = [(length * r / (rings - 1), math.cos(a), math.sin(a)) for r in range(rings) for a in angle]
-    faces, last = [], 1 + around * (rings - 1)
-    for k in range(around):
-        n = (k + 1) % around
-        faces += [(0, 1 + n, 1 + k), (last + around, last + k, last + n)]
-        for at in range(1, last, around):
-            faces += [(at + k, at + n, at + around + k), (at + n, at + around + n, at + around + k)]
-    return np.array([(0, 0, 0), *wall, (length, 0, 0)]), np.array(faces)
 
 
 def half_fine_tube():
@@ -77,7 +58,7 @@ def half_fine_tube():
 
 def tube_with_relief():
     """Closed, of length 16, with eight rows of bumps that are about as deep as wide."""
-    points, faces = cylinder(128, 320, 16)
+    points, faces = round_tube(128, 320, 16)
     angle = np.arctan2(points[:, 2], points[:, 1])
     radius = np.hypot(points[:, 1], points[:, 2]) * (1 + 0.2 * np.cos(8 * angle) * np.cos(8 * points[:, 0]))
     return np.stack([points[:, 0], radius * np.cos(angle), radius * np.sin(angle)], 1), faces
@@ -341,10 +322,6 @@ def joint(length, band):
 COMPONENT = {"component": True}
 
 
-def nearest(mesh, point):
-    return int(((mesh[0] - point)**2).sum(1).argmin())
-
-
 def map_of(linear, translation):
     return {"matrix": [*np.hstack([linear, np.reshape(translation, (3, 1))]).ravel().tolist(), 0, 0, 0, 1]}
 
@@ -355,9 +332,7 @@ def shift(*way):
 
 def turn(degrees, axis, centre, along=ORIGIN):
     """Rotated about an axis through a point, then moved."""
-    a, k = math.radians(degrees), np.array(axis) / np.linalg.norm(axis)
-    cross = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
-    by = np.eye(3) + math.sin(a) * cross + (1 - math.cos(a)) * cross @ cross
+    by = rotation(axis, degrees)
     return map_of(by, np.array(centre) + along - by @ np.array(centre))
 
 
@@ -456,7 +431,7 @@ def tube(mesh, motion, **more):
 
 def slender_tube(around, times):
     """Of triangles that are this many times as long as wide."""
-    return tube(cylinder(around, round(16 / (times * 2 * math.sin(math.pi / around))) + 1, 16), TUBE_BENT)
+    return tube(round_tube(around, round(16 / (times * 2 * math.sin(math.pi / around))) + 1, 16), TUBE_BENT)
 
 
 def nose(length):

@@ -7,12 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array, identity
 
 from quality_edits import neighbours
-
-
-def crosses(points, faces):
-    """Twice the area, along the normal."""
-    a = points[faces[:, 0]]
-    return np.cross(points[faces[:, 1]] - a, points[faces[:, 2]] - a)
+from surfaces import crosses
 
 
 def polar_rotations(matrices):

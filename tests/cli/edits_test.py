@@ -18,26 +18,9 @@ from program import COMMAND
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "compat"))
 
 import ply_meshes  # noqa: E402
+from surfaces import X, Y, Z, ball, between, degrees_between, fitted, grid, near, nearest, normals_of, read, rotation, together, tube, write  # noqa: E402
 
-X, Y, Z = np.eye(3)
 METHODS = ("default", "paper", "linear")
-
-
-def write(path, points, faces, normals=None):
-    """Without faces: a cloud of points with normals."""
-    rows = np.zeros(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
-    rows["count"], rows["corners"] = 3, np.reshape(faces, (-1, 3))
-    names, columns = ("x", "y", "z"), points
-    if normals is not None:
-        names, columns = (*names, "nx", "ny", "nz"), np.hstack([points, normals])
-    header = "".join(f"property double {name}\n" for name in names)
-    path.write_bytes(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{header}element face {len(faces)}\nproperty "
-                     "list uchar int vertex_indices\nend_header\n".encode() + np.asarray(columns, "<f8").tobytes() + rows.tobytes())
-
-
-def read(path, count):
-    data = path.read_bytes()
-    return np.frombuffer(data, "<f8", 3 * count, data.index(b"end_header\n") + 11).reshape(-1, 3)
 
 
 def run(mesh, *steps, fractions="1", scan=None):
@@ -74,82 +57,6 @@ def handle(vertices, **transform):
 
 def turn(axis, degrees):
     return {"axis": axis, "degrees": degrees}
-
-
-def rotation(axis, degrees):
-    a, k = math.radians(degrees), np.asarray(axis) / np.linalg.norm(axis)
-    cross = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
-    return np.eye(3) + math.sin(a) * cross + (1 - math.cos(a)) * cross @ cross
-
-
-def fitted(before, after):
-    """The rotation that fits best."""
-    u, _, vt = np.linalg.svd((after - after.mean(0)).T @ (before - before.mean(0)))
-    return u @ np.diag([1, 1, np.sign(np.linalg.det(u @ vt))]) @ vt
-
-
-def degrees_between(a, b):
-    return math.degrees(2 * math.asin(min(1, np.linalg.norm(a - b) / math.sqrt(8))))
-
-
-def grid(rows, columns):
-    points = np.stack([*np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij"), np.zeros((rows, columns))], 2).reshape(-1, 3)
-    q = (columns * np.arange(rows - 1)[:, None] + np.arange(columns - 1)).ravel()
-    return points, np.vstack([np.stack([q, q + columns, q + 1], 1), np.stack([q + 1, q + columns, q + columns + 1], 1)])
-
-
-def ball(levels):
-    t = (1 + 5**0.5) / 2
-    points = [p / np.linalg.norm(p) for a in (-1, 1) for b in (-t, t) for p in np.array([(0, a, b), (a, b, 0), (b, 0, a)])]
-    near = min(np.linalg.norm(points[0] - p) for p in points[1:]) + 1e-9
-    faces = [(i, j, k) for i in range(12) for j in range(12) for k in range(12) if i < j and i < k and j != k
-             and max(np.linalg.norm(points[a] - points[b]) for a, b in ((i, j), (j, k), (k, i))) < near
-             and np.linalg.det([points[i], points[j], points[k]]) > 0]
-    for _ in range(levels):
-        middles, finer = {}, []
-        for face in faces:
-            made = []
-            for a, b in zip(face, face[1:] + face[:1]):
-                key = min(a, b), max(a, b)
-                if key not in middles:
-                    middles[key] = len(points)
-                    points.append((points[a] + points[b]) / np.linalg.norm(points[a] + points[b]))
-                made.append(middles[key])
-            (a, b, c), (ab, bc, ca) = face, made
-            finer += [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-        faces = finer
-    return np.array(points), np.array(faces)
-
-
-def tube(around, rings, length, spacing=lambda t: t, closed=True):
-    """Of radius 1 along x; with caps, whose middles come last."""
-    angle = 2 * np.pi * np.arange(around) / around
-    points = [(length * spacing(r / (rings - 1)), math.cos(a), math.sin(a)) for r in range(rings) for a in angle]
-    faces = [f for r in range(rings - 1) for a in range(around) for h, n in [(r * around + a, r * around + (a + 1) % around)]
-             for f in ((h, n, h + around), (n, n + around, h + around))]
-    if closed:
-        first, last = len(points), (rings - 1) * around
-        points += [(0, 0, 0), (length, 0, 0)]
-        faces += [(first, (a + 1) % around, a) for a in range(around)]
-        faces += [(first + 1, last + a, last + (a + 1) % around) for a in range(around)]
-    return np.array(points, float), np.array(faces)
-
-
-def together(a, b, offset):
-    return np.vstack([a[0], b[0] + offset]), np.vstack([a[1], b[1] + len(a[0])])
-
-
-def nearest(mesh, point):
-    return int(np.linalg.norm(mesh[0] - point, axis=1).argmin())
-
-
-def near(mesh, point, radius):
-    return np.flatnonzero(np.linalg.norm(mesh[0] - point, axis=1) <= radius)
-
-
-def between(mesh, low, high, inner=0.1):
-    """The vertices of a tube's wall with x in a range."""
-    return np.flatnonzero((mesh[0][:, 0] > low) & (mesh[0][:, 0] < high) & (np.hypot(*mesh[0][:, 1:].T) > inner))
 
 
 class Edits(unittest.TestCase):
@@ -238,12 +145,11 @@ class Rotations(Edits):
                         self.assertLess(abs(math.remainder(turned - degrees / 2, 360)), bound)
 
     def test_matrix_of_180_degrees_keeps_the_tube_wide(self):
-        for around in (16, 32):
-            mesh, held, grip = self.twist(around, 2 * around + 1, 6)
-            pose = edited(mesh, step(handle(grip, matrix=[1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1]), handle(held)))
-            middle = self.rings(mesh, around)[around]
-            self.assertGreater(np.linalg.norm(pose[middle] - pose[middle].mean(0), axis=1).mean(), 0.75)
-            self.assertAlmostEqual(abs(self.counted(mesh, around, pose)), 180, delta=1)
+        mesh, held, grip = self.twist(16, 33, 6)
+        pose = edited(mesh, step(handle(grip, matrix=np.diag([1, -1, -1, 1]).ravel()), handle(held)))
+        middle = self.rings(mesh, 16)[16]
+        self.assertGreater(np.linalg.norm(pose[middle] - pose[middle].mean(0), axis=1).mean(), 0.75)
+        self.assertAlmostEqual(abs(self.counted(mesh, 16, pose)), 180, delta=1)
 
     def test_middle_of_a_bend_turns_by_half_without_jumps(self):
         """Into an arc of the tube's length; the largest movement between neighbouring fractions is near the mean."""
@@ -738,6 +644,27 @@ class Shape(Edits):
             self.assert_error(pose[low], mesh[0][low] @ rotation(Z, 60).T + (0, 0, 0.5), 0.02, method)
             self.assert_error(pose[high], mesh[0][high], 0.02, method)
 
+    def test_faults_of_scans_are_edited(self):
+        """Where the mathematics allows: near the handle all is finite, and what is outside of the region keeps its bits."""
+        points, faces = grid(21, 21)
+        points[:, 2] = 0.3 * np.sin(points[:, 0]) * np.cos(points[:, 1])
+        holed, flat, fin = points.copy(), (points[222] + points[223]) / 2, [(221, 222, 441), (221, 222, 442), (222, 442, 441)]
+        holed[0, 0], holed[20, 1], holed[440] = np.nan, np.inf, np.nan
+        for fault, more, faulty in (("not finite", [], faces), ("a face without area", [flat], [*faces, (222, 441, 223)]),
+                                    ("an edge without length", [points[222]], [*faces, (222, 441, 223)]),
+                                    ("a vertex twice", [], [*faces, (220, 220, 221), (222, 222, 222)]),
+                                    ("isolated vertices", [points[220], (10, 10, 9), (99, 9, 9)], faces), ("repeated faces", [], [*faces, *faces[300:340]]),
+                                    ("edges of three faces", [(10, 11, 5), (10, 12, 5)], [*faces, *fin]),
+                                    ("orientations", [], np.where(np.arange(800)[:, None] % 3, faces, faces[:, ::-1]))):
+            mesh = np.vstack([holed if fault == "not finite" else points, *map(np.atleast_2d, more)]), np.array(faulty)
+            near_by = np.linalg.norm(mesh[0] - points[220], axis=1) < 7.001
+            for laplacian in ("umbrella", "cotangent", "surface"):
+                with self.subTest(fault, laplacian=laplacian):
+                    after = edited(mesh, step(handle(220, translation=(0, 0, 4)), region={"radius": 7}, laplacian=laplacian))
+                    self.assertTrue(np.isfinite(after[near_by]).all())
+                    self.assertTrue((after[~near_by].view("u8") == mesh[0][~near_by].view("u8")).all())
+                    self.assert_error(after[220], points[220] + (0, 0, 4), 0.04)
+
     def test_kernels_of_older_processors_give_the_same_coordinates(self):
         mesh = tube(16, 60, 12)
         expected = self.bent(mesh, 1, 10.4, 80)[0][0]
@@ -760,11 +687,8 @@ class Shape(Edits):
         def measure(way, settings):
             one = step(handle(np.flatnonzero(i == 50), translation=way), region=region, **settings)
             base, found = edited((plane, faces), one), edited((bumpy, faces), one)
-            normals, cross = np.zeros_like(base), np.cross(base[faces[:, 1]] - base[faces[:, 0]], base[faces[:, 2]] - base[faces[:, 0]])
-            for k in range(3):
-                np.add.at(normals, faces[:, k], cross)
             up, lengths = (found - base)[bump], np.linalg.norm((found - base)[bump], axis=1)
-            cosines = (up * normals[bump]).sum(1) / lengths / np.linalg.norm(normals[bump], axis=1)
+            cosines = (up * normals_of(base, faces)[bump]).sum(1) / lengths
             return np.degrees(np.arccos(np.clip(cosines, -1, 1))).mean(), lengths.mean()
 
         ones = {"handle_weight": 1, "anchor_weight": 1}

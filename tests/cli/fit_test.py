@@ -2,12 +2,14 @@
 """A template fitted to scans by the program: meshes and clouds, landmarks, a saved edit, and refusals."""
 import json
 import math
-import os
 import struct
 import unittest
 
-from program import ADVISED, CENTRE, DOME, REFUSED, UNREADABLE, WRONG_USAGE, ProgramTest, files
+import numpy as np
+
+from program import CENTRE, DOME, REFUSED, UNREADABLE, WRONG_USAGE, ProgramTest, files
 from shapes import dome
+from surfaces import normals_of
 
 TRUTH = [(1.05 * x + 0.05 * math.sin(2 * y), y, 1.2 * z) for x, y, z in DOME[0]]
 
@@ -82,33 +84,15 @@ class Fit(ProgramTest):
         self.done("-q", self.mesh, self.out, self.edit)
         self.assertLess(error(self.result()), 0.4 * error(DOME[0]))
 
-    def test_older_processors_get_the_same_coordinates(self):
-        self.fitted()
-        expected = self.result()
-        for instructions in ("plain", "avx2"):
-            os.environ["LAPEDIT_INSTRUCTIONS"] = instructions
-            self.addCleanup(os.environ.pop, "LAPEDIT_INSTRUCTIONS", None)
-            self.fitted()
-            self.assertLess(max(map(math.dist, self.result(), expected)), 1e-5, instructions)
-
     def test_a_cloud_with_normals(self):
-        points, faces = scan(41)
-        sums = [[0.0, 0.0, 0.0] for _ in points]
-        for a, b, c in faces:
-            u, v = ([q - p for p, q in zip(points[a], points[k])] for k in (b, c))
-            for corner in (a, b, c):
-                for k in range(3):
-                    sums[corner][k] += u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]
+        points, faces = map(np.array, scan(41))
+        sums = normals_of(points, faces)
         for name, numbers, form in (("float", "<6f", "binary_little_endian"), ("double", ">6d", "binary_big_endian")):
             header = f"ply\nformat {form} 1.0\nelement vertex {len(points)}\n" + "".join(
                 f"property {name} {key}\n" for key in ("x", "y", "z", "nx", "ny", "nz")) + "end_header\n"
             self.scan.write_bytes(header.encode() + b"".join(struct.pack(numbers, *p, *n) for p, n in zip(points, sums)))
             self.fitted("--landmarks", self.folder / "from.pp", self.folder / "to.pp")
             self.assertLess(error(self.result()), 0.5 * error(DOME[0]), name)
-
-    def test_advice_on_another_unit(self):
-        self.scan.write_bytes(files.ply_plain(([tuple(1000 * c for c in p) for p in scan()[0]], scan()[1])))
-        self.refused(ADVISED, "same unit", "--strict", "--fit", self.scan, self.mesh, self.out)
 
     def test_selected_faces_of_the_scan_are_excluded(self):
         """They have the lid of a box that is not part of the object: without them the fit is as without the lid."""

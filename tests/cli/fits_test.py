@@ -5,7 +5,8 @@ import unittest
 
 import numpy as np
 
-from edits_test import X, Y, Z, ball, fitted, grid, handle, near, nearest, rotation, run, step, together, tube
+from edits_test import handle, run, step
+from surfaces import X, Y, Z, ball, fitted, grid, near, nearest, normals_of, rotation, together, tube
 
 
 def head(levels=4, degrees=0):
@@ -30,14 +31,6 @@ TRUTH = warped(HEAD[0])
 OTHER = head(4, 25)
 SCAN = warped(OTHER[0]), OTHER[1]
 MARKS = (10, 150, 300, 500, 700, 1000, 1200, 1600)
-
-
-def normals_of(points, faces):
-    sums = np.zeros_like(points)
-    cross = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
-    for k in range(3):
-        np.add.at(sums, faces[:, k], cross)
-    return sums / np.linalg.norm(sums, axis=1)[:, None]
 
 
 def error(found, truth=TRUTH):
@@ -252,6 +245,13 @@ class Fits(unittest.TestCase):
         mesh = swollen(HEAD[0]), HEAD[1]
         self.assertEqual(self.advice(mesh=mesh, scan=(swollen(SCAN[0]), SCAN[1])), "")
         self.assertRegex(self.advice(mesh=mesh, scan=(swollen(SCAN[0]) * (-1, 1, 1), reversed_faces(SCAN[1]))), "^The template's mirror image")
+
+    def test_exchanged_landmarks_turn_a_head_inside_out(self):
+        """A ball beside it keeps its partners."""
+        sphere, marks = ball(2), np.arange(0, len(HEAD[0]), 40)
+        both = together(HEAD, (0.4 * sphere[0], sphere[1]), (0, 3, 0))
+        found = self.advice(mesh=both, scan=both, landmarks=(marks, HEAD[0][marks] * (-1, 1, 1)), align="none", accuracy=0)
+        self.assertIn("turned inside out, from a volume of ", found)
 
     def test_borders_of_sheets_are_drawn_if_asked(self):
         def sheet(cells, shift):
