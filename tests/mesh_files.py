@@ -152,7 +152,8 @@ def all_files():
     rows = off(mesh).split(b"\n")
     yield "special_many_in_a_line.off", b"\n".join([rows[0] + rows[1], b" ".join(rows[2:40]), *rows[40:80], b" ".join(rows[80:123]), *rows[123:]])
     yield "special_mark.off", MARK + off(sheet(1e-9)).replace(b" ", b"\t").replace(b"\n", b"\r\n")[:-2]
-    yield "special_comments.off", b"# before OFF\n# 1 2 3\n" + off(mesh, end=" # a\n\n")
+    for number, head in enumerate((b"# before OFF\n# 1 2 3\nOFF\n", b"OFF # by 4 2 0\n\n#\n")):
+        yield f"special_comments_{number}.off", head + off(mesh, end=" # a\n\n").replace(b"OFF\n", b"").replace(b" 0\n", b" 0# 1 2 3\n# 4\n", 1)
     yield "binary.stl", stl_binary(mesh)
     yield "binary_solid.stl", stl_binary(mesh, b"solid or not")
     yield "text.stl", stl_text(mesh)

@@ -12,7 +12,7 @@ import stat
 import subprocess
 import unittest
 
-from program import COMMAND, LIFT, NOBODY, REFUSED, UNREADABLE, UNWRITABLE, WRONG_USAGE, ProgramTest
+from program import COMMAND, LIFT, NOBODY, POSES, REFUSED, UNREADABLE, UNWRITABLE, WRONG_USAGE, ProgramTest
 
 BEGIN = ".laplacian-edit-" + re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) + "-"
 
@@ -146,7 +146,7 @@ class Files(ProgramTest):
 class Interruptions(ProgramTest):
     def test_target_that_becomes_a_folder_meanwhile(self):
         for name, sentence, written in (("all-0003.ply", r"output .*all-0003\.ply.* folder\.\n\Z", 0),
-                                        ("report.json", r"report .*report\.json.* folder\. The outputs are complete\.\n\Z", 900)):
+                                        ("report.json", r"report .*report\.json.* folder\. The outputs are complete\.\n\Z", POSES)):
             with self.writing("--report", "report.json") as process:
                 (self.work / name).mkdir()
                 _, errors = process.communicate(timeout=60)
@@ -228,7 +228,7 @@ class Interruptions(ProgramTest):
                 self.done(self.mesh, "next.ply", self.edit)
             _, errors = process.communicate(timeout=100)
         self.assertEqual((process.returncode, errors), (0, b""))
-        self.assertEqual(len(list(self.work.glob("all-*"))), 900)
+        self.assertEqual(len(list(self.work.glob("all-*"))), POSES)
         self.assertEqual([path.name for path in kept if not path.exists() or path.read_text() != "x"], [])
         self.assertTrue((self.work / first).is_fifo())
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Landmarks in other coordinate systems, units and encodings than the mesh, regions that nothing holds, and how refusals name what
-they are about."""
+they are about. tests/unit/json/landmarks_test.cpp has the tables of each format."""
 import json
 import re
 import unittest
@@ -164,12 +164,11 @@ class Units(LandmarkTest):
                               (0.001, "multiplied by 1000, as from metres to millimetres"), (10, "divided by 10, as from millimetres to "),
                               (25.4, r"divided by 25\.4, as from millimetres to inches"), (1e6, "divided by 1000000, as from micrometres"),
                               (1 / 25.4, r"multiplied by 25\.4, as from inches to millimetres")):
-            for size in (1, 1e-3, 1000):  # of the mesh
-                mesh = self.write("sized.off", files.off(moved(SHEET, size, (3 * size, 0, 0))))
-                points = {name: (x + 3, y, z) for name, (x, y, z) in NAMED.items()}
-                path = self.write("from.csv", table(scaled(points, factor * size)))
-                self.refused(REFUSED, rf'"nose" .* away from .*: check the unit, since {words}.*, all of them are near the surface\.',
-                             mesh, "out.off", "--landmarks", path, path)
+            size = 1000 if factor < 1 else 1e-3  # of the mesh
+            mesh = self.write("sized.off", files.off(moved(SHEET, size, (3 * size, 0, 0))))
+            path = self.write("from.csv", table(scaled({name: (x + 3, y, z) for name, (x, y, z) in NAMED.items()}, factor * size)))
+            self.refused(REFUSED, rf'"nose" .* away from .*: check the unit, since {words}.*, all of them are near the surface\.',
+                         mesh, "out.off", "--landmarks", path, path)
         one = self.write("one.csv", table(scaled({"nose": (0.5, 0.5, HEIGHT)}, 1000)))
         self.refused(REFUSED, r"millimetres to metres, it is near the surface\.", self.mesh, "out.ply", "--landmarks", one, one)
 
@@ -193,25 +192,6 @@ class Units(LandmarkTest):
             self.assertRegex(self.result(mesh, start, end)[1]["advice"], rf"times as long: for the targets check the unit, since {words}")
         end = self.write("to.csv", table({n: (x + 900, y, z) for n, (x, y, z) in NAMED.items()}))
         self.assertNotIn("unit", self.result(mesh, start, end)[1]["advice"])
-
-
-class Tables(LandmarkTest):
-    def test_tables_of_slicer(self):
-        mesh = self.write("sheet.ply", files.ply_plain(SHEET))
-        expected = self.result(mesh, self.write("a.csv", table(NAMED)), self.write("b.csv", table(TARGETS)))[0]
-        end = self.write("to.csv", slicer_table(TARGETS, "LPS"))
-        undefined = slicer_table(NAMED, "LPS") + "not placed,,,,0,1,1,0,\nnor this,0,0,0,False,1,1,0,\n"
-        quoted = slicer_table(NAMED, "LPS").replace("nose", '"nose"')
-        moved_columns = table({n: (y, z, x) for n, (x, y, z) in NAMED.items()}, "Label,P,S,L")
-        for name, text in (("u.csv", undefined), ("u.tsv", undefined.replace(",", "\t")), ("q.csv", quoted), ("c.csv", moved_columns),
-                           ("s.csv", slicer_table(NAMED, "LPS", ";")), ("p.tsv", table(NAMED, separator="\t")),
-                           ("h.tsv", "".join(table(NAMED, separator="\t").splitlines(True)[1:]))):
-            with self.subTest(name):
-                self.assertEqual(self.result(mesh, self.write(name, text), end)[0], expected)
-        start = self.write("from.csv", slicer_table(NAMED, "LPS").replace("nose,0", "nose,zero"))
-        self.refused(REFUSED, r"from\.csv\", line 2: the x of landmark \"nose\" is \"zero", mesh, "out.ply", "--landmarks", start, end)
-        lists = self.write("two.mrk.json", json.dumps({"markups": [json.loads(markups(NAMED, s))["markups"][0] for s in ("RAS", "LPS")]}))
-        self.refused(REFUSED, r"markups\[1\]: is in LPS coordinates, the list before in RAS", mesh, "out.ply", "--landmarks", lists, lists)
 
 
 class Regions(LandmarkTest):
@@ -278,40 +258,18 @@ class Messages(LandmarkTest):
         self.refused(REFUSED, looked.format(self.work), self.mesh, "out.ply", "-", given=edit.read_bytes())
 
     def test_utf_16_is_named(self):
-        mesh = self.write("sheet.ply", files.ply_plain(SHEET))
         plain = self.write("plain.csv", table(NAMED))
-        texts = {"csv": table(NAMED), "tsv": table(NAMED, separator="\t"), "fcsv": fiducials(NAMED, "RAS"), "mrk.json": markups(NAMED, "RAS"),
-                 "pp": "<PickedPoints>\n" + "".join(f'<point x="{x}" y="{y}" z="{z}" name="{n}"/>\n' for n, (x, y, z) in NAMED.items())
-                 + "</PickedPoints>\n"}
+        picked = "<PickedPoints>" + "".join(f'<point x="{x}" y="{y}" z="{z}" name="{n}"/>' for n, (x, y, z) in NAMED.items()) + "</PickedPoints>"
+        texts = {"csv": table(NAMED), "tsv": table(NAMED, separator="\t"), "fcsv": fiducials(NAMED, "RAS"), "mrk.json": markups(NAMED, "RAS"), "pp": picked}
         meshes = {"ply": files.ply_plain(SHEET), "off": files.off(SHEET), "obj": files.obj(SHEET), "stl": files.stl_text(SHEET)}
-        for encoding in ("utf-16", "utf-16-le", "utf-16-be"):
-            for mark in ("", "\ufeff") if encoding != "utf-16" else ("",):
-                edit = self.write("a.json", (mark + self.edit.read_text()).encode(encoding))
-                self.refused(REFUSED, r'a\.json": The text is in UTF-16: save it in UTF-8\.', mesh, "out.ply", edit)
-                for suffix, text in texts.items():
-                    path = self.write("a." + suffix, (mark + text).encode(encoding))
-                    self.refused(REFUSED, rf'a\.{re.escape(suffix)}".* text .*in UTF-16: save it in UTF-8\.', mesh, "out.ply", "--landmarks",
-                                 path, plain)
-            for suffix, content in meshes.items():
-                path = self.write("a." + suffix, ("\ufeff" + content.decode()).encode("utf-16-be" if encoding == "utf-16" else encoding))
-                self.refused(UNREADABLE, r"cannot be read: it is text in UTF-16: save it in UTF-8\.", "--info", path)
-        binary = self.write("mark.stl", files.stl_binary(SHEET, b"\xff\xfe"))
-        self.done("--info", binary)
-
-    def test_comments_before_and_after_the_counts_of_off(self):
-        plain = files.off(SHEET)
-        self.done(self.write("plain.off", plain), self.work / "out.off", self.edit)
-        points = len(SHEET[0])
-        head = f"OFF\n{points} {len(SHEET[1])} 0\n"
-        for name, begin in enumerate((f"OFF#made by hand\n# a line\n{points} {len(SHEET[1])} 0\n", head.replace("OFF", "OFF # by 4 2 0", 1),
-                                      head.replace("\n", "\n# 7 7 7\n\n#\n", 1), head[:-1] + "#edges by\n", head[:-1] + " # 1 2 3\n# 4\n",
-                                      f"# a\nOFF\n{points}#vertices\n{len(SHEET[1])} # faces\n0# edges\n",
-                                      f"OFF\n{points} {len(SHEET[1])} # edges are missing\n")):
-            with self.subTest(begin):
-                rest = plain[len(head):].replace(b"\n", b"#a comment\n", 300)
-                self.done(self.write("a.off", begin.encode() + rest), self.work / "commented.off", self.edit)
-                lines = (self.work / "commented.off").read_bytes()[len(begin):].replace(b"#a comment", b"")
-                self.assertEqual(lines, (self.work / "out.off").read_bytes()[len(head):])
+        for encoding, mark in (("utf-16", ""), ("utf-16-le", ""), ("utf-16-be", "\ufeff")):
+            for suffix, text in texts.items():
+                path = self.write("a." + suffix, (mark + text).encode(encoding))
+                self.refused(REFUSED, rf'a\.{re.escape(suffix)}".* text .*in UTF-16: save it in UTF-8\.', self.mesh, "out.ply", "--landmarks", path, plain)
+        for suffix, content in meshes.items():
+            path = self.write("a." + suffix, content.decode().encode("utf-16"))
+            self.refused(UNREADABLE, r"cannot be read: it is text in UTF-16: save it in UTF-8\.", "--info", path)
+        self.done("--info", self.write("mark.stl", files.stl_binary(SHEET, b"\xff\xfe")))
 
 
 if __name__ == "__main__":

@@ -18,20 +18,8 @@ import make_family  # noqa: E402
 COMMAND = pathlib.Path(os.environ["LAPEDIT_COMMAND"])
 DOCUMENT = (ROOT / "common" / "docs" / "cookbook.md").read_text(encoding="utf-8").split("\n## Edit 200 meshes\n")[1]
 PARALLEL, MAKE = re.findall(r"```sh\n(.*?)```", DOCUMENT, re.S)
-HOSTS = PARALLEL.replace("parallel", "parallel " + re.search(r"insert\n`(.*?)`", DOCUMENT)[1], 1)
 MAKEFILE = re.search(r"```make\n(.*?)```", DOCUMENT, re.S)[1]
 SLURM = ROOT / "common" / "cli" / "recipes" / "slurm_array.sh"
-SSH = """#!/bin/sh
-# Replaces ssh: the words after the host are the command. As on any host, a login has a shell.
-export SHELL=/bin/sh
-while [ $# -gt 0 ]; do
-  word=$1
-  shift
-  case $word in ada | grace) echo "$word" >>"$HOSTS_SEEN"; break ;; esac
-done
-[ "$1" != -- ] || shift
-exec sh -c "$*"
-"""
 
 
 class ManyMeshes(unittest.TestCase):
@@ -82,16 +70,6 @@ class ManyMeshes(unittest.TestCase):
         (self.folder / "away.off").rename(self.folder / "family/mesh-0002.off")
         self.finish(PARALLEL)
         self.assertEqual({int(line.split("\t")[0]) for line in self.joblog()}, set(range(1, 201)))
-        self.require_edited(outputs)
-
-    @unittest.skipUnless(shutil.which("parallel"), "needs GNU parallel (Debian: parallel)")
-    def test_parallel_on_several_hosts(self):
-        outputs = self.family(30)
-        (self.folder / "family/hosts").write_text("2/ada\n2/grace\n")
-        (self.folder / "ssh").write_text(SSH)
-        (self.folder / "ssh").chmod(0o755)
-        self.finish(HOSTS, PARALLEL_SSH=f"{self.folder}/ssh", HOSTS_SEEN=f"{self.folder}/seen")
-        self.assertEqual({line.split("\t")[1] for line in self.joblog()}, {"ada", "grace"})
         self.require_edited(outputs)
 
     def test_make_edits_what_has_changed(self):

@@ -26,6 +26,7 @@ COMMAND = os.environ["LAPEDIT_COMMAND"]
 SANITIZED = bool(os.environ.get("LAPEDIT_PRELOAD"))
 CENTRE = 21 * 10 + 10  # vertex in the middle of the dome
 NOBODY = 54321  # an ordinary user's number
+POSES = 300  # which take long enough to be interrupted
 REFUSED, WRONG_USAGE, UNREADABLE, UNWRITABLE, UNEXPECTED, ADVISED = 1, 2, 3, 4, 5, 6
 DOME = [struct.unpack("3f", struct.pack("3f", *p)) for p in dome()[0]], dome()[1]
 POINTS, FACES = DOME
@@ -88,7 +89,7 @@ class ProgramTest(unittest.TestCase):
 
     def writing(self, *arguments, **options):
         """@return a run that writes for a while, when it has begun to"""
-        process = self.start(self.mesh, self.work / "all.ply", self.edit, "--fractions", "0:1:900", "--quiet", *arguments, **options)
+        process = self.start(self.mesh, self.work / "all.ply", self.edit, "--fractions", f"0:1:{POSES}", "--quiet", *arguments, **options)
         end = time.monotonic() + 60
         while len(list(self.work.glob(".laplacian-edit-*"))) < 3:
             self.assertIsNone(process.poll())
