@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws the documents' pictures of edits, and prints the tables that belong to them, by laplacian-edit.
+"""Draws the documents' pictures of edits, and prints the table that belongs to them, by laplacian-edit.
 
-usage: pictures.py [--columns N] [--height PIXELS] [NAME]...
+usage: pictures.py [NAME]...
 
 It builds what it needs in build/, and writes to build/pictures/. Names: figure1, figure2, figure4 to figure8 and table1 of
-common/docs/paper.md; cells and surface of method.md; contact of peers.md; the edits below, whose table is in peers.md: all by default. It needs
-xvfb-run and python3-vtk9. LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
+common/docs/paper.md; methods, cells and surface of method.md; contact of peers.md: all by default. It needs xvfb-run, python3-scipy
+and python3-vtk9. LAPEDIT_MESHES: folder of the real meshes; by default ../shared/meshes beside this project, if it is there.
 """
 import argparse
 import functools
@@ -19,12 +19,13 @@ import subprocess
 import sys
 
 import numpy
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests/cli"), str(ROOT / "tests/compat")]
 
 import ply_meshes  # noqa: E402
-import shapes  # noqa: E402
 
 BUILD, OUTPUT = ROOT / "build", ROOT / "build/pictures"
 MESHES = pathlib.Path(os.environ.get("LAPEDIT_MESHES", ROOT.parent / "shared/meshes"))
@@ -32,39 +33,9 @@ METHODS = ("linear", "paper", "default")
 COLOURS = ("#d55e00", "#0072b2", "#009e73")  # of Okabe and Ito
 UP = {"toward": (0.3, -0.9, 0.75), "up": (0, 0, 1)}
 ALONG_Y = {"toward": (0.75, 0.1, 0.7), "up": (0, 1, 0)}
-NOSE = {"toward": (0.9, -0.55, 0.15), "up": (0, 0, 1)}
-BELOW = {"toward": (0.5, 0.45, -0.9), "up": (0, 1, 0)}
 LIMB = {"toward": (0.2, -0.9, -0.5), "up": (0, 0, 1)}
 
 
-def limb(degrees):
-    """The end, about whose middle it is rotated, as it is if the limb becomes an arc, from its root on."""
-    angle, along, end = math.radians(degrees), 7.3, 0.5
-    way = (along * (math.sin(angle) / angle - 1) + end * (math.cos(angle) - 1), 0,
-           along * (1 - math.cos(angle)) / angle + end * math.sin(angle))
-    return {"translation": way, "rotation": {"axis": (0, -1, 0), "degrees": degrees}}
-
-
-# Name: mesh, a point at the handle, its radius (0: one vertex), the region's radius, motion, view, and what to show.
-EDITS = {
-    "limb-120": ("arm", (10, 0, 0), 1, 7.5, limb(120), LIMB),
-    "limb-170": ("arm", (10, 0, 0), 1, 7.5, limb(170), LIMB),
-    "letters": ("letters", (2.05, 0.9, 0.12), 0, 1.8, {"translation": (0, 0, 1)}, UP),
-    "letters-sideways": ("letters", (2.05, 0.9, 0.12), 0, 1.8, {"translation": (0.8, 0, 1)}, UP),
-    "letters-rotated": ("letters", (2.05, 0.9, 0.12), 0.5, 1.8,
-                        {"translation": (0, 0, 0.6), "rotation": {"axis": (0, 1, 0), "degrees": 40}}, UP),
-    "mannequin-nose": ("mannequin.off", (0.0185447, -1.24318, -0.0873), 0, 0.61167, {"translation": (0, -0.9, 0)}, NOSE),
-    "mannequin-face": ("mannequin.off", (0.0185447, -1.24318, -0.0873), 0, 1.2155, {"translation": (0, -0.9, 0)}, NOSE),
-    "octopus-tentacle": ("octopus.off", (0.326838, -0.31208, 0.174829), 0, 0.8, {"translation": (0, 0.437, 0)},
-                         {**BELOW, "around": (0.23, -0.06, 0.05, 0.31)}),
-    "octopus-beyond-root": ("octopus.off", (0.326838, -0.31208, 0.174829), 0, 0.985, {"translation": (0, 0.437, 0)},
-                            {**BELOW, "around": (0.23, -0.06, 0.05, 0.31)}),
-    "bumpy-plane": ("bumpy_plane.off", (50, 50, 10), 0, 40, {"translation": (0, 0, 42.5)}, {**UP, "toward": (0.3, -0.9, 0.6)}),
-    "bunny-ear": ("bunny.ply", (-0.0175221, 0.187321, -0.0198494), 0, 0.06, {"translation": (0.03, -0.05, 0.03)},
-                  {"toward": (0.5, 0.15, 1), "up": (0, 1, 0), "around": (-0.03, 0.14, 0, 0.075)}),
-    "igea-nose": ("igea.ply", (0.002468, -0.012772, 0.049538), 0, 0.02, {"translation": (0, 0, 0.02)},
-                  {"toward": (0.9, 0.1, 0.6), "up": (0, 1, 0), "around": (0, -0.01, 0.05, 0.04)}),
-}
 # Region vertices, and the paper's seconds to factor and to solve for one coordinate on a Pentium 4 of 2.4 GHz; meshes with
 # points at their handles.
 TABLE_1 = {1201: (0.031, 0.002), 3395: (0.051, 0.003), 4685: (0.092, 0.005), 12774: (0.568, 0.020), 16792: (0.804, 0.030),
@@ -89,8 +60,11 @@ class Mesh:
         self.points = numpy.array(points)
 
     @functools.cached_property
-    def around(self):
-        return shapes.neighbours(len(self.points), self.faces)
+    def edges(self):
+        """A sparse matrix of their lengths."""
+        sides = numpy.unique(numpy.sort(numpy.array(self.faces)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+        lengths = numpy.linalg.norm(self.points[sides[:, 0]] - self.points[sides[:, 1]], axis=1)
+        return csr_matrix((lengths, sides.T), shape=2 * (len(self.points),))
 
     def near(self, point, radius=0.0):
         """The vertices in a ball, or the nearest one."""
@@ -98,8 +72,7 @@ class Mesh:
         return numpy.nonzero(away < radius)[0].tolist() if radius else [int(away.argmin())]
 
     def distances(self, seeds):
-        found = shapes.distances(self.points.tolist(), self.around, seeds)
-        return numpy.array([found.get(v, numpy.inf) for v in range(len(self.points))])
+        return dijkstra(self.edges, directed=False, indices=seeds, min_only=True)
 
     def radius(self, seeds, count):
         """Of the region that holds so many vertices."""
@@ -138,29 +111,27 @@ def render(name, panels, view, columns=2, height=300):
     subprocess.run(list(map(str, command)), check=True)
 
 
-def show(name, columns, height):
-    """@return for each method: RMS stretch in % / largest / triangles folded over"""
-    mesh_name, point, disc, radius, motion, view = EDITS[name]
-    mesh = Mesh(mesh_name)
-    handle = mesh.near(point, disc)
-    panels, cells = [(mesh.path, "before", mesh.classes(handle, radius))], []
-    for method in METHODS:
-        result, (report,) = mesh.edited(f"{name}-{method}", step(handle, radius, motion, method=method))
-        panels.append((result, method))
-        cells.append(f"{100 * report['stretch_rms']:.3g}/{100 * report['stretch_max']:.3g}/{report['folded']}")
-    render(name, panels, view, columns, height)
-    return cells
+def bent_limb():
+    """The end, about whose middle it is rotated, is where it is if the limb becomes an arc, from its root on."""
+    mesh, angle, along, end = Mesh("arm"), math.radians(170), 7.3, 0.5
+    way = (along * (math.sin(angle) / angle - 1) + end * (math.cos(angle) - 1), 0,
+           along * (1 - math.cos(angle)) / angle + end * math.sin(angle))
+    return mesh, step(mesh.near((10, 0, 0), 1), 7.5, {"translation": way, "rotation": {"axis": (0, -1, 0), "degrees": 170}})
+
+
+def methods():
+    """The limb's end bent back by each method."""
+    mesh, edit = bent_limb()
+    results = [(mesh.edited(f"methods-{method}", {**edit, "method": method})[0], method) for method in METHODS]
+    render("methods", [(mesh.path, "before", mesh.classes(mesh.near((10, 0, 0), 1), 7.5)), *results], LIMB, 2, 460)
 
 
 def cells():
     """The cells of the limb, before and after its end is bent back."""
-    _, point, disc, radius, motion, view = EDITS["limb-170"]
-    mesh, colours = Mesh("arm"), OUTPUT / "cells.txt"
-    handle = mesh.near(point, disc)
-    result, _ = mesh.edited("cells", step(handle, radius, motion))
+    (mesh, edit), colours = bent_limb(), OUTPUT / "cells.txt"
     with colours.open("w") as out:
-        subprocess.run([BUILD / "tests/cell_colours", str(radius), *map(str, handle)], stdout=out, check=True)
-    render("cells", [(mesh.path, "cells at rest", colours), (result, "after the edit", colours)], view)
+        subprocess.run([BUILD / "tests/cell_colours", "7.5", *map(str, mesh.near((10, 0, 0), 1))], stdout=out, check=True)
+    render("cells", [(mesh.path, "cells at rest", colours), (mesh.edited("cells", edit)[0], "after the edit", colours)], LIMB)
 
 
 def strip(name, columns, rows, place):
@@ -226,10 +197,9 @@ def path_along(mesh, vertices):
     """Vertices of the shortest paths from one to the next."""
     whole = [vertices[0]]
     for end in vertices[1:]:
-        away = mesh.distances([end])
+        _, following = dijkstra(mesh.edges, directed=False, indices=end, return_predecessors=True)
         while whole[-1] != end:
-            here = whole[-1]
-            whole.append(min(mesh.around[here], key=lambda v: away[v] + numpy.linalg.norm(mesh.points[v] - mesh.points[here])))
+            whole.append(int(following[whole[-1]]))
     return sorted(set(whole))
 
 
@@ -301,7 +271,7 @@ def table1():
             print(f"|{count:,}|{factor:.3f}|{solve:.3f}|{name}|{ours[0]:.4f}|{ours[1]:.5f}|{factor / ours[0]:.0f}|{solve / ours[1]:.0f}|", flush=True)
 
 
-OTHERS = {
+PICTURES = {
     "figure1": lambda: locality("figure1", "head", (0, -0.13, 1.21), (1201, 3395), (0, 0, 0.7), ALONG_Y),
     "figure2": lambda: rotations("figure2", lambda x: 0.4 * max(0.0, math.sin(2 * math.pi * x / 1.8)), {
         "differential coordinates not rotated": {"method": "linear"}, "rotated by smooth normals": {"method": "paper"}}),
@@ -311,28 +281,21 @@ OTHERS = {
         "smooth normals, over a region": {"method": "paper"}}),
     "figure6": figure6,
     "figure7": lambda: locality("figure7", "creature", (-2.2, 0.6, 0), (1201, 12774), (-0.3, 1.0, 0.5), {"toward": (0.2, 0.2, 1), "up": (0, 1, 0)}),
-    "figure8": figure8, "table1": table1, "cells": cells, "surface": surface, "contact": contact}
+    "figure8": figure8, "table1": table1, "methods": methods, "cells": cells, "surface": surface, "contact": contact}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--columns", type=int, default=2)
-    parser.add_argument("--height", type=int, default=460)
-    parser.add_argument("names", nargs="*", choices=[[], *OTHERS, *EDITS], default=[])
+    parser.add_argument("names", nargs="*", choices=[[], *PICTURES], default=[])
     given = parser.parse_args()
     subprocess.run([ROOT / "common/scripts/install_dependencies.sh", "pictures"], check=True)
     subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-DLAPEDIT_BUILD_TESTS=ON"], check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["cmake", "--build", BUILD, "--parallel", "--target", "laplacian_edit_program", "make_mesh", "cell_colours"], check=True,
                    stdout=subprocess.DEVNULL)
     OUTPUT.mkdir(parents=True, exist_ok=True)
-    rows = []
-    for name in given.names or [*OTHERS, *EDITS]:
-        if name in OTHERS:
-            OTHERS[name]()
-        elif "." not in EDITS[name][0] or MESHES.is_dir():
-            rows.append(f"|{name}|" + "|".join(show(name, given.columns, given.height)) + "|")
+    for name in given.names or PICTURES:
+        PICTURES[name]()
         print(name, flush=True)
-    print(*(["|edit|" + "|".join(METHODS) + "|", "|---|---|---|---|", *rows] if rows else []), sep="\n")
 
 
 if __name__ == "__main__":

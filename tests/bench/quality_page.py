@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of common/docs/peers.md from quality.json of tests/bench/quality.sh: the default against as-rigid-as-possible
-deformation by class, evenness, the shape of each edit, how often each peer does better, times, and the project's targets,
-of which missed ones are bold.
+deformation by class, evenness, the shape of each edit, how often each peer does better, how far handles miss, and the
+project's targets, of which missed ones are bold.
 
 usage: quality_page.py quality.json
 """
@@ -76,19 +76,6 @@ def counts(edits, peer):
                if pairs else "-")
 
 
-def times(edits, method):
-    """Medians in milliseconds, then over ours: medians of the edits' own ratios."""
-    found = []
-    for name in ("preparing", "settled", "frame"):
-        value = FIGURES[name]
-        pairs = [(value(edit[OURS]), value(edit[method])) for edit in edits if has_result(edit.get(method))]
-        if not pairs or any(theirs is None for _, theirs in pairs):
-            return None
-        found += [f"{statistics.median(theirs for _, theirs in pairs):.3g}",
-                  f"{statistics.median(theirs / ours for ours, theirs in pairs):.2f}"]
-    return found
-
-
 def handles(edits, method):
     """How far the handle is from its target, in per cent of its displacement: median and largest."""
     found = [100 * edit[method]["behind"] for edit in edits if has_result(edit.get(method))]
@@ -143,9 +130,6 @@ def print_tables(edits):
           [(peer, *counts(list(edits.values()), peer)) for peer in present if peer in PEERS])
     table(("handle from its target, % of its displacement", "median", "largest"),
           [(method, *handles(list(edits.values()), method)) for method in present])
-    rows = [(method, times(list(edits.values()), method)) for method in present]
-    table(("median, ms, and over the default's", "preparing", "", "settled", "", "frame", ""),
-          [(method, *found) for method, found in rows if found])
     table(("the default over ARAP", "ratios or sums", "measured", "target"), targets(list(edits.values())))
 
 

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small generated meshes, and measures on meshes."""
-import heapq
 import math
 
 
@@ -38,39 +37,6 @@ def moved(mesh, scale=1.0, offset=(0, 0, 0)):
 def together(a, b):
     """Both meshes in one, the vertices of a first."""
     return a[0] + b[0], a[1] + [tuple(v + len(a[0]) for v in face) for face in b[1]]
-
-
-def neighbours(count, faces):
-    around = [set() for _ in range(count)]
-    for a, b, c in faces:
-        around[a] |= {b, c}
-        around[b] |= {a, c}
-        around[c] |= {a, b}
-    for v in range(count):
-        around[v].discard(v)
-    return around
-
-
-def distances(points, around, seeds, radius=math.inf):
-    """Vertices and the lengths of their shortest paths along edges from the seeds, if no longer than the radius."""
-    best, done, heap = dict.fromkeys(seeds, 0.0), {}, [(0.0, seed) for seed in seeds]
-    while heap:
-        d, v = heapq.heappop(heap)
-        if v in done:
-            continue
-        done[v] = d
-        for w in around[v]:
-            through = d + math.dist(points[v], points[w])
-            if through <= radius and through < best.get(w, math.inf):
-                best[w] = through
-                heapq.heappush(heap, (through, w))
-    return done
-
-
-def within(points, around, seed, radius):
-    """The vertices whose shortest path along edges from the seed is no longer than the radius. They are in its region, since
-    paths across the surface are no longer."""
-    return set(distances(points, around, [seed], radius))
 
 
 def in_reach(points, seed, radius):
