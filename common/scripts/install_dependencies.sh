@@ -6,6 +6,7 @@
 #   build       MeshLab, and what the plugins are built with: the default
 #   tests       also what tests/run takes
 #   pictures    also what the demonstration and the pictures take
+#   bench       also what tests/bench/ takes
 #   everything  also what tests/run --everything takes
 #
 # It needs root's rights, or sudo.
@@ -24,6 +25,7 @@ for what in "$@"; do
   build) ;;
   tests) packages="$packages $tests" ;;
   pictures) packages="$packages $display $fast python3-numpy python3-vtk9" ;;
+  bench) packages="$packages $display $fast libsuitesparse-dev libopenblas-dev libcgal-dev python3-numpy python3-scipy python3-vtk9" ;;
   everything) packages="$packages $tests clang-format clang-tidy clang libclang-rt-dev gcovr universal-ctags debootstrap lintian
     libc++-dev libc++abi-dev g++-aarch64-linux-gnu qemu-user-static wine64 llvm" ;;
   *)

@@ -17,17 +17,7 @@ output=${QUALITY_OUTPUT:-$build/result}
 meshes=${LAPEDIT_MESHES:-$PWD/../shared/meshes}
 libigl=${LIBIGL_INCLUDE_DIR:-$build/libigl}
 
-missing=
-for package in g++ cmake libeigen3-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libcgal-dev; do
-  # shellcheck disable=SC2016
-  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
-  [ "$status" = installed ] || missing="$missing $package"
-done
-python3 -c 'import numpy, scipy' 2>/dev/null || missing="$missing python3-numpy python3-scipy"
-if [ -n "$missing" ]; then
-  echo "quality.sh: please install what is missing here: apt install$missing" >&2
-  exit 1
-fi
+common/scripts/install_dependencies.sh bench
 if [ ! -f "$meshes/mannequin.off" ]; then
   echo "quality.sh: LAPEDIT_MESHES does not name the real meshes, so their edits are left out." >&2
   meshes=
@@ -38,21 +28,10 @@ else
   echo "quality.sh: Blender is not installed and is left out." >&2
 fi
 
-# By an apt configuration of its own: the system's is not touched.
 fetch_libigl() {
-  apt=$build/apt
-  mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial" "$libigl"
-  mirror=$(apt-get indextargets --format "\$(REPO_URI) \$(CODENAME) \$(COMPONENT)" |
-    awk '$2 !~ /-/ && $3 == "main" { print $1; exit }')
-  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror trixie main" \
-    >"$apt/sources.list"
-  set -- -q -o "Dir::Etc::sourcelist=$apt/sources.list" -o Dir::Etc::sourceparts=- -o "Dir::State::lists=$apt/lists" \
-    -o "Dir::Cache=$apt/cache"
-  (
-    cd "$apt"
-    apt-get "$@" update && apt-get "$@" source --download-only --tar-only meshlab/trixie &&
-      tar -xf meshlab_*.orig.tar.xz -C "$libigl" --strip-components=5 --wildcards '*/src/external/libigl-*/include/igl'
-  ) >"$apt/log" 2>&1
+  mkdir -p "$libigl"
+  common/scripts/debian_download.sh trixie "$build/meshlab" src:meshlab &&
+    tar -xf "$build"/meshlab/*.orig.tar.* -C "$libigl" --strip-components=5 --wildcards '*/src/external/libigl-*/include/igl'
 }
 if [ ! -f "$libigl/igl/arap.h" ] && { [ -n "${LIBIGL_INCLUDE_DIR:-}" ] || ! fetch_libigl; }; then
   echo "quality.sh: libigl's headers are not in $libigl, so it is left out." >&2
@@ -79,8 +58,4 @@ echo "$output/quality.md"
 if [ ! -f "$output/quality.json" ]; then
   exit 0
 fi
-if command -v xvfb-run >/dev/null && /usr/bin/python3 -c 'import vtkmodules' 2>/dev/null; then
-  xvfb-run -a tests/bench/quality_pictures.py "$output/meshes" --json "$output/quality.json" --output "$output"
-else
-  echo "quality.sh: no pictures without the packages xvfb and python3-vtk9." >&2
-fi
+xvfb-run -a tests/bench/quality_pictures.py "$output/meshes" --json "$output/quality.json" --output "$output"

@@ -14,17 +14,7 @@ fi
 cd "$(dirname "$0")/../.."
 build=$PWD/build/speed
 
-missing=
-for package in g++ cmake make libeigen3-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libcgal-dev; do
-  # shellcheck disable=SC2016
-  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
-  [ "$status" = installed ] || missing="$missing $package"
-done
-python3 -c 'import scipy' 2>/dev/null || missing="$missing python3-scipy"
-if [ -n "$missing" ]; then
-  echo "speed.sh: please install what is missing here: apt install$missing" >&2
-  exit 1
-fi
+common/scripts/install_dependencies.sh bench
 if [ $# -eq 0 ]; then
   set -- 3395 4685 12774
   [ -n "$quick" ] || set -- "$@" 16792 32280 100000 300000
