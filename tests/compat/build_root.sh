@@ -1,8 +1,8 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# For check.sh and double.sh, which build in a root: sourced with SUITE as argument, it makes the root if it is not there,
-# and sets root_sh, root, and options: what the root is run with. The source is at /src there, the compiler's cache at
-# /ccache, and the real meshes at LAPEDIT_MESHES.
+# For scripts that build in a root: sourced with SUITE as argument, it makes the root if it is not there, and sets root_sh, root, and
+# options: what the root is run with. The source is at /src there, the compiler's cache at /ccache, the real meshes at LAPEDIT_MESHES,
+# and after add_meshlab_source the source of sid's MeshLab at /meshlab.
 here=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
 project=$(realpath "$here/../..")
 hosts=$(realpath -m "${LAPEDIT_HOSTS_DIR:-$project/build/hosts}")
@@ -21,3 +21,8 @@ else
   options+=(--env LAPEDIT_MESHES=)
   echo "*** LAPEDIT_MESHES is not set: the tests on real meshes are left out on $1. ***"
 fi
+
+add_meshlab_source() {
+  "$project/common/scripts/meshlab_source.sh" 2025.07 "$hosts/meshlab-2025.07"
+  options+=(--bind-ro "$hosts/meshlab-2025.07=/meshlab")
+}

@@ -10,34 +10,17 @@ set -euo pipefail
 
 # shellcheck source-path=SCRIPTDIR
 . "$(dirname "$(realpath "$0")")/build_root.sh" sid
+add_meshlab_source
 
 echo "== double: MeshLab"
 # shellcheck disable=SC2016
 "${root_sh[@]}" run "$root" "${options[@]}" -- sh -euc '
-  version=$(dpkg-query -W -f "\${source:Version}" meshlab)
   mkdir -p /double
   cd /double
-  if [ "$(cat version 2>/dev/null)" != "$version" ]; then
-    rm -rf source build version *.orig.tar.*
-    mkdir source
-    {
-      apt-get -q update
-      apt-get -q -o APT::Sandbox::User=root source --download-only --tar-only "meshlab=$version"
-      tar -xf meshlab_*.orig.tar.* -C source --strip-components=1
-    } >source.log 2>&1 || { cat source.log; exit 1; }
-    echo "$version" >version
-  fi
-  # What is not in Debian is not needed here, and nothing is to be downloaded.
-  downloads=$(grep -oh "MESHLAB_ALLOW_DOWNLOAD_SOURCE_[A-Z0-9_]*" source/src/external/*.cmake | sort -u |
-    sed "s/.*/-D&=OFF/")
   # Those that the tests use.
   plugins="io_base filter_func filter_layer filter_select"
-  # Newer Eigen and CMake do not tell these in the way that it asks for.
-  found="-DEIGEN3_INCLUDE_DIR=/usr/include/eigen3 -DGLEW_VERSION=$(dpkg-query -W -f "\${Version}" libglew-dev)"
-  cmake -G Ninja -S source -B build -DCMAKE_BUILD_TYPE=Release $found -DMESHLAB_BUILD_WITH_DOUBLE_SCALAR=ON \
-    -DMESHLAB_BUILD_ONLY_LIBRARIES=ON $downloads \
-    "-DMESHLAB_PLUGINS=$(printf "meshlabplugins/%s;" $plugins)" \
-    >configure.log 2>&1 || { cat configure.log; exit 1; }
+  /src/tests/compat/configure_meshlab.sh /meshlab /meshlab build -DMESHLAB_BUILD_WITH_DOUBLE_SCALAR=ON -DMESHLAB_BUILD_ONLY_LIBRARIES=ON \
+    "-DMESHLAB_PLUGINS=$(printf "meshlabplugins/%s;" $plugins)" >configure.log 2>&1 || { cat configure.log; exit 1; }
   ninja -C build meshlab-common $plugins >build.log 2>&1 ||
     { grep -A 12 FAILED build.log || tail -n 40 build.log; exit 1; }
   grep "MeshLab version" configure.log'
@@ -49,7 +32,7 @@ echo "== double: build"
   cd /double/ours
   library=$(find /double/build -name libmeshlab-common.so)
   cmake -G Ninja -S /src -B . -DLAPEDIT_BUILD_TESTS=ON -DLAPEDIT_WARNINGS_AS_ERRORS=ON \
-    -DLAPEDIT_MESHES="$LAPEDIT_MESHES" -DMESHLAB_SOURCE_DIR=/double/source -DMeshLab_LIBRARY="$library" -DMeshLab_SCALAR=double \
+    -DLAPEDIT_MESHES="$LAPEDIT_MESHES" -DMESHLAB_SOURCE_DIR=/meshlab -DMeshLab_LIBRARY="$library" -DMeshLab_SCALAR=double \
     >configure.log 2>&1 || { cat configure.log; exit 1; }
   # Nothing of the installed MeshLab, which has single precision, may be in it. The plugin takes what its host has loaded.
   targets="filter_laplacian_edit edit_laplacian_drag laplacian_edit_program run_filters bridge_tests hosts_meshes"

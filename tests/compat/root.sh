@@ -5,8 +5,6 @@
 # usage: root.sh make [--fresh] SUITE KIND     makes the root if it is not there yet; prints its folder
 #        root.sh run ROOT [OPTION]... -- COMMAND [ARGUMENT]...
 #                                              runs a command in it; ends with the command's exit code
-#        root.sh remove SUITE KIND             removes it
-#        root.sh remove all                    removes all of them, and what the checks keep beside them
 #        root.sh check                         ends with 0 where roots can be used; else says what is missing
 #
 #   SUITE             a release of Debian: bookworm, trixie, sid
@@ -19,7 +17,8 @@
 #   --env NAME=VALUE  for the command; else it gets DISPLAY, CI and TERM of the caller's and nothing more
 #   --directory DIR   of the root: where the command starts
 #
-# LAPEDIT_HOSTS_DIR: where the roots are; by default build/hosts in this project.
+# LAPEDIT_HOSTS_DIR: where the roots are, and what the checks keep beside them; by default build/hosts in this project. It may be
+# removed while no command runs in a root.
 #
 # It needs root's rights (sudo is used where it is) and debootstrap. The mirror and apt's proxy are those of this machine.
 # Everything is mounted in a mount namespace of its own and is gone with it, however the command ends. An X server of this
@@ -124,7 +123,7 @@ make_bare() {
   [ -n "$uri" ] || fail "this machine's apt sources name no Debian mirror to make a root from."
   in_namespace debootstrap --variant=minbase --force-check-gpg \
     --keyring=/usr/share/keyrings/debian-archive-keyring.gpg "$suite" "$root" "$uri" || return
-  printf 'deb %s %s main\ndeb-src %s %s main\n' "$uri" "$suite" "$uri" "$suite" >"$root/etc/apt/sources.list"
+  echo "deb $uri $suite main" >"$root/etc/apt/sources.list"
   {
     # A mirror may be a snapshot, and a root is kept for longer than sid's lists are valid.
     echo 'Acquire::Check-Valid-Until "false";'
@@ -265,32 +264,8 @@ run() {
   enter "$root" "$directory" "$@"
 }
 
-remove_one() {
-  lock "$1.lock"
-  discard "$1"
-  discard "$1.part"
-  rm -f "$1.log" "$1.lock"
-}
-
-remove() {
-  if [ "$*" = all ]; then
-    local file
-    for file in "$hosts"/*.lock; do
-      [ ! -e "$file" ] || remove_one "${file%.lock}"
-    done
-    for file in "$hosts"/*-ccache "$hosts"/*-package; do
-      discard "$file"
-    done
-  else
-    [ $# -eq 2 ] || usage
-    case $1-$2 in */* | .*) usage ;; esac
-    [ ! -d "$hosts" ] || remove_one "$hosts/$1-$2"
-  fi
-  rmdir --ignore-fail-on-non-empty "$hosts" 2>/dev/null || true
-}
-
 [ $# -ge 1 ] || usage
-case $1 in make | run | remove | check) ;; *) usage ;; esac
+case $1 in make | run | check) ;; *) usage ;; esac
 
 if [ "$(id -u)" -ne 0 ]; then
   command -v sudo >/dev/null || fail "root's rights are needed to make and use a root, and there is no sudo."

@@ -115,20 +115,13 @@ of() {
 
 # shellcheck source=tests/compat/build_root.sh
 . "$project/tests/compat/build_root.sh" sid
+add_meshlab_source
 # shellcheck disable=SC2016
 "${root_sh[@]}" run "$root" "${options[@]}" --bind-ro "$folder=/patch" --env "BUILD=$build" -- sh -euc '
-  version=$(dpkg-query -W -f "\${source:Version}" meshlab)
-  mkdir -p /upstream
+  rm -rf /upstream
+  mkdir /upstream
   cd /upstream
-  rm -rf source build
-  mkdir source
-  tarball=$(echo /double/meshlab_"${version%-*}".orig.tar.*) # as tests/compat/double.sh has left it
-  if [ ! -f "$tarball" ]; then
-    { apt-get -q update && apt-get -q -o APT::Sandbox::User=root source --download-only --tar-only "meshlab=$version"; } \
-      >source.log 2>&1 || { cat source.log; exit 1; }
-    tarball=$(echo "$PWD"/meshlab_*.orig.tar.*)
-  fi
-  tar -xf "$tarball" -C source --strip-components=1
+  cp -r /meshlab source
   plugins="filter_laplacian_edit edit_laplacian_drag"
   project=source
   if [ "$BUILD" = extra ]; then
@@ -158,13 +151,8 @@ END
     s,^\(\t*\)meshlabplugins/edit_manipulators$,\1meshlabplugins/edit_laplacian_drag\n&," source/src/CMakeLists.txt
     [ "$(grep -c laplacian source/src/CMakeLists.txt)" -eq 2 ]
   fi
-  downloads=$(grep -oh "MESHLAB_ALLOW_DOWNLOAD_SOURCE_[A-Z0-9_]*" source/src/external/*.cmake | sort -u |
-    sed "s/.*/-D&=OFF/")
-  # Newer Eigen and CMake do not tell these in the way that MeshLab asks for.
-  found="-DEIGEN3_INCLUDE_DIR=/usr/include/eigen3 -DGLEW_VERSION=$(dpkg-query -W -f "\${Version}" libglew-dev)"
   # Not MeshLab'"'"'s other plugins, for many of which Debian has no libraries.
-  cmake -G Ninja -S $project -B build -DCMAKE_BUILD_TYPE=Release $found $downloads \
-    "-DMESHLAB_PLUGINS=$plugin_list" >configure.log 2>&1 || { cat configure.log; exit 1; }
+  /src/tests/compat/configure_meshlab.sh source $project build "-DMESHLAB_PLUGINS=$plugin_list" >configure.log 2>&1 || { cat configure.log; exit 1; }
   ninja -C build $plugins >build.log 2>&1 || { grep -A 12 FAILED build.log || tail -n 40 build.log; exit 1; }
   grep "MeshLab version" configure.log
   grep -c "warning:" build.log || true

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Builds core and program for another processor or compiler, runs their tests there, and compares the coordinates of the
-# recorded edits with those of this build.
+# Builds the core for another processor or compiler and runs its tests there; for another processor also the program, and compares
+# the coordinates of the recorded edits with those of this build. python.linux-x86_64 compares those of a build with libc++.
 #
 # usage: run.sh WHAT BUILD RESULTS [LAYER]...
 #   WHAT      arm64: under qemu; libc++: clang with libc++
 #   BUILD     this machine's build folder, with tests
 #   RESULTS   what hosts/write_results.sh made with it
-#   LAYER     whose tests run: base, mesh, linear, deform, cells, edit, live, session, json; without any: the edits only
+#   LAYER     whose tests run: base, mesh, linear, deform, cells, edit, live, session, json
 set -eu
 
 [ $# -ge 3 ] || { sed -n '/^# usage/,/^set/s/^# \{0,1\}//p' "$0" >&2; exit 2; }
@@ -54,8 +54,8 @@ set -- "$@" '-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG'
 generator=
 ! command -v ninja >/dev/null || generator=-GNinja
 
-targets="core_edit laplacian_edit_program"
-[ "$what" != libc++ ] || targets=core_edit # which cannot read numbers as the program does before version 20
+targets=laplacian_edit_program
+[ "$what" != libc++ ] || targets= # it cannot read numbers as the program does before version 20
 for layer in $layers; do
   targets="$targets ${layer}_tests"
 done
@@ -79,7 +79,15 @@ for layer in $layers; do
   $(echo "$emulator" | tr ';' ' ') "$folder/build/tests/unit/${layer}_tests" --gtest_brief=1 --gtest_filter="-$excluded"
 done
 
+[ -n "$emulator" ] || exit 0
 rm -rf "$folder/poses"
-# shellcheck disable=SC2086
-$(echo "$emulator" | tr ';' ' ') "$folder/build/tests/unit/core_edit" "$here/../edits" "$results/meshes" "$folder/poses"
+cd "$results/meshes"
+for edit in "$here"/../edits/*/*.json; do
+  mesh=$(basename "$(dirname "$edit")")
+  [ -e "$mesh.ply" ] || continue
+  poses=$folder/poses/$mesh/$(basename "$edit" .json)
+  mkdir -p "$poses"
+  # shellcheck disable=SC2086
+  $(echo "$emulator" | tr ';' ' ') "$folder/build/common/cli/laplacian-edit" --quiet --fractions 0,0.37,1 "$mesh.ply" "$poses/pose.ply" - <"$edit"
+done
 "$here/../compare.py" "$results" "$folder/poses"
