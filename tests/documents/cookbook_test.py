@@ -18,25 +18,18 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/cli"))
+
+from ply import Ply, write_ply as write  # noqa: E402
+
 PROGRAM = pathlib.Path(os.environ["LAPEDIT_COMMAND"])
 PAGE = (ROOT / "common/docs/cookbook.md").read_text(encoding="utf-8")
 PYTHON, PICTURES = (sys.argv[1:] == [option] for option in ("--python", "--pictures"))
 
 
 def read(path):
-    """The points and faces of an ASCII PLY file."""
-    lines = path.read_text(encoding="ascii").splitlines()
-    count = int(next(line for line in lines if line.startswith("element vertex")).split()[2])
-    body = [line.split() for line in lines[lines.index("end_header") + 1:]]
-    return [[float(x) for x in row[:3]] for row in body[:count]], [[int(k) for k in row[1:4]] for row in body[count:]]
-
-
-def write(path, points, faces):
-    path.write_text("ply\nformat ascii 1.0\n" + f"element vertex {len(points)}\n" +
-                    "".join(f"property float {axis}\n" for axis in "xyz") + f"element face {len(faces)}\n" +
-                    "property list uchar int vertex_indices\nend_header\n" +
-                    "".join("%.9g %.9g %.9g\n" % tuple(p) for p in points) + "".join("3 %d %d %d\n" % tuple(f) for f in faces),
-                    encoding="ascii")
+    mesh = Ply(path)
+    return mesh.points(), mesh.faces()
 
 
 def with_eyes(points, faces):
