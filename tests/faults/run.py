@@ -24,7 +24,7 @@ TESTS = {"base": ["base_tests", "deform_tests", "fit_tests"], "mesh": ["mesh_tes
          "session": ["session_tests"], "json": ["json_tests", "command.landmarks", "command.program"],
          "host": ["bridge_tests", "host.*"], "filter": ["host.*"], "program": ["command.(program|formats|fit)"],
          "tool": ["gui.*"], "python": ["python.(wheels|newest)"]}
-TARGETS = {"host": ["all"], "filter": ["all"], "tool": ["all"], "python": ["laplacian_edit_program"]}
+TARGETS = {"host": ["all"], "filter": ["all"], "tool": ["all"], "python": ["laplacian_edit_program", "make_mesh"]}
 HEADER = """#pragma once
 #include <cstdlib>
 inline bool lapedit_fault(int number) {

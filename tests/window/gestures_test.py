@@ -34,6 +34,17 @@ class Gestures(ToolTest):
         w.wait(lambda: len(self.steps_in_log(w)) > steps, "no step was applied")
         w.idle()
 
+    def is_modified(self, w):
+        return w.layers()[0]["modified"]
+
+    def x_save(self, w):
+        w.x_focus()
+        w.x("key", "ctrl+e")
+        w.wait_dialog()
+        w.x("sleep", 0.3, "key", "Return")
+        w.wait(lambda: not self.is_modified(w), "the mesh is not saved")
+        w.x_focus()
+
     def last_step(self, w):
         return self.steps_of(w)[-1]
 
@@ -57,14 +68,15 @@ class Gestures(ToolTest):
             self.undo(w)
             self.assert_same(before, w.dump())
             self.x_key(w, "ctrl+shift+z")
-            w.x("key", "ctrl+e")
-            w.wait_dialog()
-            w.x("sleep", 0.3, "key", "Return")
-            w.wait_output("Saved Mesh")
+            self.x_save(w)
             shown = w.dump()
             self.assertNotEqual(shown.moved(before), set())
             self.assertEqual((Ply(mesh).point_bits(), Ply(mesh).faces()), (shown.point_bits(), shown.faces()))
-            w.x_focus()
+            x, y = self.pull(w, self.CENTRE, (20, 10), release=False)
+            self.assertFalse(self.is_modified(w), "a passing pose")
+            w.mouse("release", x, y)
+            w.wait(lambda: self.is_modified(w), "an applied step is to be saved")
+            self.x_save(w)
             w.x("key", "ctrl+q")
             w.wait_end()
 

@@ -72,9 +72,13 @@ Answer layers(const QJsonObject&) {
   GLArea& area = gl_area();
   QJsonArray result;
   for (const MeshModel* mesh : all_layers(md)) {
-    result += QJsonObject{{"id", mesh->id()},           {"visible", area.meshVisibilityMap.value(mesh->id())},
-                          {"current", mesh == md.mm()}, {"vertices", mesh->cm.vn},
-                          {"faces", mesh->cm.fn},       {"matrix", numbers(mesh->cm.Tr)}};
+    result += QJsonObject{{"id", mesh->id()},
+                          {"visible", area.meshVisibilityMap.value(mesh->id())},
+                          {"current", mesh == md.mm()},
+                          {"vertices", mesh->cm.vn},
+                          {"faces", mesh->cm.fn},
+                          {"matrix", numbers(mesh->cm.Tr)},
+                          {"modified", mesh->meshModified()}};
   }
   return {{{"layers", result}}};
 }
