@@ -84,10 +84,10 @@ class Bench:
 
     def measured(self, name, kind, edit):
         region, poses, figures = self.run(edit, self.options.repeat)
-        if self.options.out:
-            write_pictures_input(self.options.out / name, edit, region, poses)
-        return {"vertices": len(region["vertices"]), "class": kind,
-                **{method: {**measure(edit, region, poses[method]), **found} if method in poses else found for method, found in figures.items()}}
+        figures = {method: {**measure(edit, region, poses[method]), **found} if method in poses else found for method, found in figures.items()}
+        if self.options.pictures:
+            draw(self.options.pictures / f"{name}.png", edit, region, {method: poses[method] for method in self.methods if method in poses}, figures)
+        return {"vertices": len(region["vertices"]), "class": kind, **figures}
 
     def remeshed(self, edit):
         """For each triangulation and method the largest distance of a vertex that stays from itself, over the largest displacement."""
@@ -122,18 +122,27 @@ class Bench:
                 yield f"{kind}, {method}", off / np.linalg.norm(expected[method] - edit.mesh[0], axis=1).max() if both else math.nan
 
 
-def write_pictures_input(folder, edit, region, poses):
-    """Meshes, the classes of vertices, and where to look at them from, for quality_pictures.py."""
-    folder.mkdir(parents=True, exist_ok=True)
+def draw(picture, edit, region, poses, figures):
+    """The methods side by side; captions: RMS stretch in %, flipped triangles, new pairs."""
     points, faces = edit.mesh
     classes = np.zeros(len(points), int)
     classes[region["vertices"]] = region["classes"]
-    np.savetxt(folder / "classes.txt", classes, fmt="%d")
-    for name, pose in {"rest": points, **poses}.items():
-        ply_meshes.write(folder / f"{name}.ply", pose.tolist(), faces.tolist())
     seen = np.vstack([points[region["vertices"]], targets_of(region, points)[1]])
-    view = {"toward": edit.toward, "up": edit.up, "low": seen.min(0), "high": seen.max(0)}
-    (folder / "view.json").write_text(json.dumps({key: list(map(float, value)) for key, value in view.items()}), encoding="ascii")
+    low, high = seen.min(0), seen.max(0)
+    # argparse takes numbers with exponents for options.
+    around = [f"{number:.9f}" for number in (*((low + high) / 2), 0.55 * max(high - low))]
+    command = ["xvfb-run", "-a", "/usr/bin/python3", quality_edits.ROOT / "common/demo/render.py", picture, "--toward", *edit.toward, "--up", *edit.up,
+               "--around", *around, "--height", 210, "--columns", 4]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        np.savetxt(folder / "classes.txt", classes, fmt="%d")
+        for method, pose in {"rest": points, **poses}.items():
+            if method not in ("linear", "paper"):
+                ply_meshes.write(folder / f"{method}.ply", pose.tolist(), faces.tolist())
+                found = figures.get(method)
+                command += ["--panel", folder / f"{method}.ply"]
+                command += [f"{method}: {100 * found['rms']:.0f} % / {found['flipped']} / {found['pairs']}"] if found else [method, folder / "classes.txt"]
+        subprocess.run(list(map(str, command)), check=True)
 
 
 def print_remeshed(bench, edits):
@@ -158,7 +167,7 @@ def main():
     parser.add_argument("--threads", type=int, default=0, help="ours; 0: as many as the machine has")
     parser.add_argument("--repeat", type=int, default=2, help="best times of so many runs")
     parser.add_argument("--json", type=pathlib.Path, required=True, help="file of all figures")
-    parser.add_argument("--out", type=pathlib.Path, help="folder of the meshes, one folder for each edit")
+    parser.add_argument("--pictures", type=pathlib.Path, help="folder of a picture for each edit")
     options = parser.parse_args()
     quality_edits.MAKE_MESH, quality_edits.MESHES = options.make_mesh, options.meshes
     edits, bench = quality_edits.edits(), Bench(options)

@@ -43,7 +43,7 @@ cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DLAPEDIT_BUILD_TESTS=ON -DLAP
   -DLIBIGL_INCLUDE_DIR="$libigl" >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target quality_bench make_mesh >/dev/null
 rm -rf "$output"
-mkdir -p "$output/meshes"
+mkdir -p "$output"
 
 commit=$(git rev-parse --short HEAD 2>/dev/null || echo unknown)
 [ -z "$(git status --porcelain 2>/dev/null)" ] || commit="$commit, with changes"
@@ -51,11 +51,6 @@ commit=$(git rev-parse --short HEAD 2>/dev/null || echo unknown)
   echo "Commit $commit, $(c++ --version | sed -n 1p), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | sed -n 1p), $(nproc) cores."
   echo
   python3 tests/bench/quality.py --program "$build/tests/bench/quality_bench" --make-mesh "$build/common/demo/make_mesh" \
-    ${meshes:+--meshes "$meshes"} --json "$output/quality.json" --out "$output/meshes" "$@"
+    ${meshes:+--meshes "$meshes"} --json "$output/quality.json" --pictures "$output" "$@"
 } >"$output/quality.md"
 echo "$output/quality.md"
-
-if [ ! -f "$output/quality.json" ]; then
-  exit 0
-fi
-xvfb-run -a tests/bench/quality_pictures.py "$output/meshes" --json "$output/quality.json" --output "$output"
