@@ -51,7 +51,7 @@ def ply_plain(mesh, scalar="float", form="ascii"):
 def ply(form, mesh, scalar="float", count="uchar", index="int", faces_first=False, line="\n"):
     """With further elements, lists and properties before, between and after those that the program reads."""
     points, polygons = mesh
-    tags = [v % 3 if any(len(p) > 3 for p in polygons) else 2 for v in range(len(points))]  # trimesh reads only equal lists
+    tags = [v % 3 for v in range(len(points))]
     elements = [
         ("vertex", [f"uchar {c}" for c in ("red", "green", "blue", "alpha")] + [f"{scalar} {c}" for c in (
             "x", "nx", "y", "z", "ny", "nz")] + ["double quality", "int flags", f"list {count} short tags"], [
