@@ -6,23 +6,21 @@ import re
 import subprocess
 import unittest
 
+import numpy as np
+
 from host import CENTRE, COMMAND, STAGE, TOOL, UP, DomeHost, FilterHost, laplacian_edit, laplacian_fit, project, replay, select_faces, select_vertices
 from ply import Ply, bits_of, float_of, write_ply
 from shapes import in_reach, moved, together
+from surfaces import Z, rotation
 
 
-def turned(point, degrees, offset=(0, 0, 0)):
-    """The point rotated about the z-axis, and moved."""
-    cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    x, y, z = point
-    return cosine * x - sine * y + offset[0], sine * x + cosine * y + offset[1], z + offset[2]
+def motion(degrees, offset):
+    """The matrix of a rotation about the z-axis and a translation."""
+    return np.vstack([np.hstack([rotation(Z, degrees), np.reshape(offset, (3, 1))]), [0, 0, 0, 1]])
 
 
-def matrix_of(move):
-    """The matrix of a rigid motion, 16 numbers by rows."""
-    origin = move((0, 0, 0))
-    columns = [[a - b for a, b in zip(move(axis), origin)] for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))] + [origin]
-    return [columns[c][r] for r in range(3) for c in range(4)] + [0, 0, 0, 1]
+def moved_by(matrix, points):
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 class FilterTest(DomeHost):
@@ -71,24 +69,23 @@ class Fit(FilterTest):
 
     @unittest.skipIf(TOOL, "meshlabserver opens projects")
     def test_points_picked_in_both_layers_align_them_in_the_coordinates_of_both(self):
-        lifted, _ = self.bits([laplacian_edit(**self.lift)])
-        world = [turned(list(map(float_of, p)), 160, (3, -1, 0.5)) for p in lifted]
-        scan = [turned(p, 40, (0.5, 0, 2)) for p in world]
+        path, _ = self.edited([laplacian_edit(**self.lift)], self.mesh)
+        to_scan, template = motion(40, (0.5, 0, 2)), motion(20, (0, 4, 0))
+        world = moved_by(motion(160, (3, -1, 0.5)), np.array(Ply(path).points()))
+        scan = moved_by(to_scan, world).tolist()
         write_ply(self.folder / "scan.ply", scan, self.faces)
-        back = matrix_of(lambda p: turned(p, -40, turned((-0.5, 0, -2), -40)))
-        template = matrix_of(lambda p: turned(p, 20, (0, 4, 0)))
         # The scan's points are named as if it were turned round, which nothing but landmarks can decide.
         for name, points in (("dome", self.points), ("scan", scan[::-1])):
             (self.folder / f"{name}_picked_points.pp").write_text("<PickedPoints>" + "".join(
                 f'<point x="{points[v][0]!r}" y="{points[v][1]!r}" z="{points[v][2]!r}" name="{v}"/>' for v in (0, 20, 420, 440, CENTRE))
                 + "</PickedPoints>")
             self.addCleanup((self.folder / f"{name}_picked_points.pp").unlink)
-        layers = project((self.folder / "scan.ply", back), (self.mesh, template))
+        layers = project((self.folder / "scan.ply", np.linalg.inv(to_scan).ravel()), (self.mesh, template.ravel()))
         path, log = self.edited([laplacian_fit(align=2)], None, project_text=layers)
         self.assertIn('Fit to the layer "layer0"', log)
         self.assertIn("by landmarks", log)
-        placed = [turned(list(map(float_of, p)), 20, (0, 4, 0)) for p in Ply(path).point_bits()]
-        self.assertLess(max(map(math.dist, placed, world[::-1])), 0.2)
+        placed = moved_by(template, np.array(Ply(path).points()))
+        self.assertLess(np.linalg.norm(placed - world[::-1], axis=1).max(), 0.2)
 
     def test_a_missing_layer_is_refused(self):
         for name, sentence in (("", "There is no other layer"), ("nose", 'no other layer, so none is named "nose": open')):
