@@ -12,7 +12,7 @@ import stat
 import subprocess
 import unittest
 
-from program import COMMAND, LIFT, NOBODY, POSES, REFUSED, UNREADABLE, UNWRITABLE, WRONG_USAGE, ProgramTest
+from program import COMMAND, LIFT, NOBODY, POSES, REFUSED, UNWRITABLE, WRONG_USAGE, ProgramTest
 
 BEGIN = ".laplacian-edit-" + re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) + "-"
 

@@ -6,7 +6,7 @@ import unittest
 import numpy as np
 
 from edits_test import handle, run, step
-from surfaces import X, Y, Z, ball, fitted, grid, near, nearest, normals_of, rotation, together, tube
+from surfaces import X, Y, Z, ball, grid, near, nearest, normals_of, rotation, together, tube
 
 
 def head(levels=4, degrees=0):

@@ -7,7 +7,6 @@ Environment:
   LAPEDIT_DESCRIBE_FILTERS  the program that prints the filters' own descriptions
 """
 import json
-import os
 import pathlib
 import re
 import subprocess

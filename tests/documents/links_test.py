@@ -2,11 +2,10 @@
 """Links lead somewhere, paths and names in code exist, and the documents can be read to the end."""
 import fnmatch
 import os
-import pathlib
 import re
 import unittest
 
-from documents import ROOT, Document, files
+from documents import Document, files
 
 MOST_WORDS = 17700  # of all documents, as wc counts them
 

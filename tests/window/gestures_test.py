@@ -22,12 +22,6 @@ class Gestures(ToolTest):
     def at(self, row, column):
         return row * self.ROWS + column
 
-    def x_click(self, w, vertex, *modifiers):
-        held = [("keydown", m) for m in modifiers], [("keyup", m) for m in modifiers]
-        w.x("mousemove", *self.on_screen(w, vertex), *sum(held[0], ()), "sleep", 0.05, "click", 1, "sleep", 0.05,
-            *sum(held[1], ()))
-        self.settle(w)
-
     def x_pull(self, w, start, way):
         steps = len(self.steps_in_log(w))
         w.x_drag(start, (start[0] + way[0], start[1] + way[1]))
