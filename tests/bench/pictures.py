@@ -288,7 +288,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", choices=[[], *PICTURES], default=[])
     given = parser.parse_args()
-    subprocess.run([ROOT / "common/scripts/install_dependencies.sh", "pictures"], check=True)
+    subprocess.run([ROOT / "common/scripts/install_dependencies.sh", "bench"], check=True)
     subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-DLAPEDIT_BUILD_TESTS=ON"], check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["cmake", "--build", BUILD, "--parallel", "--target", "laplacian_edit_program", "make_mesh", "cell_colours"], check=True,
                    stdout=subprocess.DEVNULL)
