@@ -78,32 +78,28 @@ class Bytes(ProgramTest):
         return shared
 
     def test_generated_files(self):
-        for name, data in files.all_files():
+        """MeshLab 2020.09, where it is there, reads the new positions from the files that it knows."""
+        server, compared = shutil.which("meshlabserver") and shutil.which("Xvfb"), set()
+        environment = server and host_environment(start_x_server(self.addCleanup, "640x480"), self.folder)
+        for name, data in (*files.plain_files(DOME), *files.all_files()):
             with self.subTest(name):
-                self.check(name, data)
+                out, after = self.check(name, data)
+                read = self.work / "read.ply"
+                read.unlink(missing_ok=True)
+                if server and name.startswith(("text", "binary", "ascii")):
+                    subprocess.run(["meshlabserver", "-i", out, "-o", read], env=environment, timeout=100, check=False, capture_output=True)
+                if read.exists():
+                    self.assertTrue([tuple(p) for p in MeshBytes("read.ply", read.read_bytes()).points] ==
+                                    [struct.unpack("3f", struct.pack("3f", *point)) for point in after.points])
+                    compared.add(name)
+        if server:
+            self.assertLessEqual({"text.ply", "binary.ply", "text.off", "binary.stl", "text.stl", "ascii_float.ply"}, compared)
 
     @unittest.skipUnless(os.environ.get("LAPEDIT_MESHES"), "needs the real meshes")
     def test_real_files(self):
         for name in REAL:
             with self.subTest(name):
                 self.check(name, (pathlib.Path(os.environ["LAPEDIT_MESHES"]) / name).read_bytes())
-
-    @unittest.skipUnless(shutil.which("meshlabserver") and shutil.which("Xvfb"), "needs meshlabserver")
-    def test_meshlab_reads_the_new_positions(self):
-        environment, compared = host_environment(start_x_server(self.addCleanup, "640x480"), self.folder), []
-        for name, data in (*files.plain_files(DOME), *files.all_files()):
-            if not name.startswith(("text", "binary", "ascii")):
-                continue
-            out, after = self.check(name, data)
-            read = self.work / "read.ply"
-            read.unlink(missing_ok=True)
-            subprocess.run(["meshlabserver", "-i", out, "-o", read], env=environment, timeout=100, check=False, capture_output=True)
-            if read.exists():  # else MeshLab 2020.09 reads no such file
-                with self.subTest(name):
-                    self.assertTrue([tuple(p) for p in MeshBytes("read.ply", read.read_bytes()).points] ==
-                                    [struct.unpack("3f", struct.pack("3f", *point)) for point in after.points])
-                    compared.append(name)
-        self.assertLessEqual({"text.ply", "binary.ply", "text.off", "binary.stl", "text.stl", "ascii_float.ply"}, set(compared))
 
 
 class Damage(ProgramTest):
