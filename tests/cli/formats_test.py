@@ -102,6 +102,27 @@ class Bytes(ProgramTest):
                 self.check(name, (pathlib.Path(os.environ["LAPEDIT_MESHES"]) / name).read_bytes())
 
 
+class OtherSystem(ProgramTest):
+    @unittest.skipUnless("LAPEDIT_OTHER_COMMAND" in os.environ, "needs the program of another system")
+    def test_the_same_numbers_between_the_same_bytes(self):
+        edit = self.write_edit({"region": {"component": True}, "handles": [
+            {"vertices": "0-10"}, {"vertices": "58-62", "rotation": {"axis": [1, 2, 3], "degrees": 40}}]})
+        for name, data in files.all_files():
+            with self.subTest(name):
+                path = self.work / ("in" + name[-4:])  # names that differ in case are one name on Windows
+                path.write_bytes(data)
+                outputs = []
+                for command in (COMMAND, os.environ["LAPEDIT_OTHER_COMMAND"]):
+                    subprocess.run([command, "-q", path.name, "out" + name[-4:], edit], cwd=self.work, check=True)
+                    outputs.append(MeshBytes(name, (self.work / ("out" + name[-4:])).read_bytes()))
+                here, there = outputs
+                self.assertTrue(data != here.data and here.between() == there.between())
+                size = max(abs(c) for point in here.points for c in point)
+                for (kind, _, _, expected), (_, _, _, found) in zip(here.groups, there.groups):
+                    allowed = (size if kind == "position" else 1) * (1e-6 if here.is_single else 1e-9)
+                    self.assertLess(math.dist(expected, found), allowed)
+
+
 class Damage(ProgramTest):
     def test_no_faces(self):
         mesh = files.sheet()[0], []

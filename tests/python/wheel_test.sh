@@ -4,19 +4,21 @@
 # environments, Windows' under wine, those for Linux on arm64 under qemu. The program in the wheel makes the recorded edits. Of
 # macOS' wheels the files are checked, and nothing is run.
 #
-# usage: wheel_test.sh SYSTEM WHEELS GENERATED MESHES
+# usage: wheel_test.sh SYSTEM WHEELS PROGRAM GENERATED MESHES
 #   SYSTEM     as for build_wheels.sh
 #   WHEELS     its folder
+#   PROGRAM    this machine's laplacian-edit
 #   GENERATED  folder with generated meshes
 #   MESHES     folder with the real meshes, may be empty
 #
 # It ends with 77 where PyPI cannot be reached or the emulator is missing.
 set -euo pipefail
 
-[ $# -eq 4 ] || { sed -n '/^# usage/,/^#$/s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -eq 5 ] || { sed -n '/^# usage/,/^#$/s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 system=$1
-generated=$(realpath "$3")
-meshes=$4
+program=$(realpath "$3")
+generated=$(realpath "$4")
+meshes=$5
 here=$(cd "$(dirname "$0")" && pwd)
 wheels=$(realpath -m "$2")
 wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
@@ -86,8 +88,8 @@ windows() {
     (cd "$work/${tests%:*}" && echo | LAPEDIT_COMMAND=site/bin/laplacian-edit.exe "$wine" ./python.exe "site/${tests#*:}_test.py" 2>&1 | cat)
   done
   emulated "$wine" "$work/cp311/site/bin/laplacian-edit.exe"
-  LAPEDIT_OTHER_READERS=OFF LAPEDIT_STAGE=none LAPEDIT_MESHES='' LAPEDIT_COMMAND=$work/laplacian-edit \
-    python3 "$here/../cli/formats_test.py" Damage.test_no_faces Damage.test_selection_of_meshlab
+  LAPEDIT_OTHER_READERS=OFF LAPEDIT_STAGE=none LAPEDIT_MESHES='' LAPEDIT_COMMAND=$work/laplacian-edit LAPEDIT_OTHER_COMMAND=$program \
+    python3 "$here/../cli/formats_test.py" OtherSystem Damage.test_no_faces Damage.test_selection_of_meshlab
   edits "$work/laplacian-edit" "$generated" "$meshes"
 }
 
