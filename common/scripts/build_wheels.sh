@@ -64,15 +64,14 @@ python_headers() {
   touch "$source/done"
 }
 
-# zig SYSTEM TARGET: makes the commands of a compiler in $build/zig/SYSTEM
+# zig SYSTEM TARGET: makes the commands of a compiler for C++ in $build/zig/SYSTEM
 zig() {
   local commands=$build/zig/$1 tool zig=$build/venv/bin/python
   mkdir -p "$commands"
   for tool in ar ranlib rc; do
     printf '#!/bin/sh\nexec "%s" -m ziglang %s "$@"\n' "$zig" "$tool" >"$commands/$tool"
   done
-  for tool in cc c++; do
-    cat >"$commands/$tool" <<END
+  cat >"$commands/c++" <<END
 #!/usr/bin/env bash
 options=()
 for option; do
@@ -82,9 +81,8 @@ for option; do
   esac
   options+=("\$option")
 done
-exec "$zig" -m ziglang $tool -s -target $2 "\${options[@]}"
+exec "$zig" -m ziglang c++ -s -target $2 "\${options[@]}"
 END
-  done
   chmod +x "$commands"/*
 }
 
@@ -124,7 +122,7 @@ for system; do
       [ "$version" = 3.11 ] || { library=$python/libraries/python3.lib && ending=.pyd; }
     fi
     wheel "$system" "$version" "$tag" "$ending" CMAKE_SYSTEM_NAME="$name" CMAKE_SYSTEM_PROCESSOR="${target%%-*}" \
-      CMAKE_C_COMPILER="$commands/cc" CMAKE_CXX_COMPILER="$commands/c++" CMAKE_AR="$commands/ar" CMAKE_RANLIB="$commands/ranlib" \
+      CMAKE_CXX_COMPILER="$commands/c++" CMAKE_AR="$commands/ar" CMAKE_RANLIB="$commands/ranlib" \
       CMAKE_RC_COMPILER="$commands/rc" CMAKE_OSX_DEPLOYMENT_TARGET=11.0 \
       LAPEDIT_TARGET_PYTHON="$python/$headers;$python/Include" LAPEDIT_TARGET_PYTHON_LIBRARY="$library"
     echo "$folder"/*"-$tag.whl"
