@@ -109,12 +109,13 @@ class OtherSystem(ProgramTest):
             {"vertices": "0-10"}, {"vertices": "58-62", "rotation": {"axis": [1, 2, 3], "degrees": 40}}]})
         for name, data in files.all_files():
             with self.subTest(name):
-                path = self.work / ("in" + name[-4:])  # names that differ in case are one name on Windows
+                # Names that differ in case are one name on Windows.
+                path, out = self.work / ("in" + name[-4:]), self.work / ("out" + name[-4:].lower())
                 path.write_bytes(data)
                 outputs = []
                 for command in (COMMAND, os.environ["LAPEDIT_OTHER_COMMAND"]):
-                    subprocess.run([command, "-q", path.name, "out" + name[-4:], edit], cwd=self.work, check=True)
-                    outputs.append(MeshBytes(name, (self.work / ("out" + name[-4:])).read_bytes()))
+                    subprocess.run([command, "-q", path.name, out.name, edit], cwd=self.work, check=True)
+                    outputs.append(MeshBytes(name, out.read_bytes()))
                 here, there = outputs
                 self.assertTrue(data != here.data and here.between() == there.between())
                 size = max(abs(c) for point in here.points for c in point)
