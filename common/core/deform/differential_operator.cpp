@@ -176,9 +176,8 @@ EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, Th
   EdgeWeights result =
       EdgeSums(region, pool).sum(mesh, [](const Angles& angles, int corner) { return 0.5 * angles.cotangent(corner); });
   std::vector<double>& weights = result.values;
-  std::vector<char>& uniform = result.uniform;
   for (std::size_t e = 0; e < weights.size(); ++e) {
-    weights[e] = uniform[e] ? kEquilateralWeight : std::max(weights[e], 0.0);
+    weights[e] = result.uniform[e] ? kEquilateralWeight : std::max(weights[e], 0.0);
   }
   // A row whose weights all vanish becomes a row of the umbrella operator.
   constexpr double kNoWeight = 1e-9;
@@ -189,7 +188,6 @@ EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, Th
     }
     for (int e = neighbours.offsets[j]; largest < kNoWeight && e < neighbours.offsets[j + 1]; ++e) {
       weights[e] = kEquilateralWeight;
-      uniform[e] = 1;
     }
   }
   return result;
@@ -239,9 +237,6 @@ void weaken_links(const Region& region, EdgeWeights& weights) {
   for (const auto& [i, j] : region.links) {
     for (const int e : {weights.neighbours.entry(i, j), weights.neighbours.entry(j, i)}) {
       weights.values[e] *= kLink;
-      if (!weights.uniform.empty()) {
-        weights.uniform[e] = 0;
-      }
     }
   }
 }
@@ -324,13 +319,6 @@ DifferentialOperator differential_operator(LaplacianKind kind, const Region& reg
   result.divisor = kind == LaplacianKind::Surface ? divisor_of(weights.areas, sums) : sums;
   result.mean = kind == LaplacianKind::Surface ? kMeanDivisor : sums.mean();
   result.matrix = from_weights(weights, sums, result.divisor);
-  const CompressedRows& neighbours = weights.neighbours;
-  for (int j = 0; !weights.uniform.empty() && j < region.size(); ++j) {
-    for (int e = neighbours.offsets[j]; e < neighbours.offsets[j + 1]; ++e) {
-      const int other = neighbours.values[e];
-      result.uniform_edges += j < other && (weights.uniform[e] || weights.uniform[neighbours.entry(other, j)]);
-    }
-  }
   return result;
 }
 

@@ -16,8 +16,8 @@ enum class LaplacianKind {
   ///
   /// Negative weights (obtuse pairs) are replaced by zero, so no row has a zero or negative sum; cotangents are clamped
   /// at kLargestCotangent. An edge of a triangle without area (or of no triangle, or with a non-finite corner) gets the
-  /// weight of an equilateral mesh, 1 / sqrt(3), and is counted in uniform_edges. Source: U. Pinkall, K. Polthier,
-  /// Computing discrete minimal surfaces and their conjugates, 1993.
+  /// weight of an equilateral mesh, 1 / sqrt(3). Source: U. Pinkall, K. Polthier, Computing discrete minimal surfaces
+  /// and their conjugates, 1993.
   Cotangent,
   /// alpha_ji proportional to the mean of the edge's two mean-value weights, (tan(a / 2) + tan(b / 2)) / length, where
   /// a and b are the angles at the corner next to the edge. Weights are never negative or nearly zero, so obtuse and
@@ -58,7 +58,6 @@ EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const Triangl
 /// constants on each connected component.
 struct DifferentialOperator {
   SparseMatrix matrix;
-  int uniform_edges = 0;    ///< edges with the uniform weight, since their triangles have no usable one
   Eigen::VectorXd divisor;  ///< D
   double mean = 0;          ///< of D on an even mesh
 };

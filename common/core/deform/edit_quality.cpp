@@ -250,9 +250,7 @@ void measure_edit(const LaplacianSystem& system, const EditConstraints& constrai
       const Vector3 wanted = constraints.rigid_motion(i).displacement(system.rest.local.row(i).transpose());
       report.anchor_residual = std::max(report.anchor_residual, (moved - wanted).norm());
     }
-    const double degrees = degrees_of(rotations[i]);
-    report.rotation_mean += degrees / region.size();
-    report.rotation_max = std::max(report.rotation_max, degrees);
+    report.rotation_max = std::max(report.rotation_max, degrees_of(rotations[i]));
   }
   report.causes.reach = region.radius;
   report.causes.rotation = report.rotation_max;

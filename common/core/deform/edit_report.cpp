@@ -99,8 +99,6 @@ const std::vector<Figure>& report_table() {
       {"fit/alignment", fit<&F::alignment>, ", RMS %.3g of what overlaps"},
       {"fit/other_alignment", [](const R& r) { return r.fit ? known(r.fit->orientations.second) : Value(); },
        " (another orientation: %.3g)"},
-      {"fit/stages", fit<&F::stages>, "; %d stages"},
-      {"fit/rounds", fit<&F::rounds>, ", %d rounds"},
       {"fit/reversed_normals", fit<&F::reversed_normals>, "; the scan's normals were taken as reversed", kNotZero},
       {"fit/size_ratio", fit<&F::size_ratio>},
       {"fit/hidden_pieces", fit<&F::hidden>, "; %d pieces follow the surface around them", kNotZero},
@@ -121,7 +119,6 @@ const std::vector<Figure>& report_table() {
       {"laplacian", [](const R& r) -> Value { return std::string(name(r.settings.laplacian)); }, "; operator: %s",
        kNotInFits},
       {"order", [](const R& r) -> Value { return r.settings.order; }, " of order %d", kNotInFits},
-      {"uniform_edges", of<&R::uniform_edges>, ", %d edges at degenerate triangles took the uniform weight", kNotZero},
       {"membrane", [](const R& r) -> Value { return r.settings.membrane; }},
       {nullptr,
        [](const R& r) {
@@ -138,7 +135,6 @@ const std::vector<Figure>& report_table() {
          return r.settings.rough == EditSettings().rough ? std::string() : name(r.settings.rough);
        },
        ", rotations from the %s", kNotInFits},
-      {"factor_reused", of<&R::factor_reused>},
 
       {"handle_displacement", of<&R::handle_displacement>, "\nHandle: to move %.6g", kNotInFits},
       {"handle_residual", of<&R::handle_residual>, ", distance to its target %.3g", kNotInFits},
@@ -152,8 +148,7 @@ const std::vector<Figure>& report_table() {
        [](const R& r) { return r.landmark_conversion.empty() ? Value() : Value(r.landmark_conversion); },
        "\nLandmarks were converted to the coordinate system of the mesh: %s", kNotInFits},
 
-      {"rotation_mean", of<&R::rotation_mean>, "\nDetail rotation: mean %.3g"},
-      {"rotation_max", of<&R::rotation_max>, ", largest %.3g degrees"},
+      {"rotation_max", of<&R::rotation_max>, "\nDetail rotation: at most %.3g degrees"},
       {"stretch_rms", of<&R::stretch_rms>, "; edge stretch: RMS %.3g %%", kAlways, 100},
       {"stretch_max", of<&R::stretch_max>, ", largest %.3g %%", kAlways, 100},
       {"flipped", of<&R::flipped>, "; triangles flipped: %d"},

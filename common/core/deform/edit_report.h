@@ -51,7 +51,6 @@ struct FitReport {
   double opposed = 0;             ///< fraction of the template where the scan's normals point the other way
   double size = 1;                ///< of the scan
   double size_ratio = 1;          ///< size of the scan over that of the template
-  int landmarks = 0, stages = 0, rounds = 0;
 };
 
 /// A component of the region that turned inside out, or lost more than half of the volume that the handles' motions
@@ -120,12 +119,12 @@ struct EditMeasures {
   /// group.
   double handle_residual = 0;
   double anchor_residual = 0;  ///< largest distance of an anchor from its position
-  double rotation_mean = 0, rotation_max = 0;
-  double stretch_rms = 0;  ///< RMS over the region's edges of new length / old length - 1
-  double stretch_max = 0;  ///< the largest of these, of edges that became longer
-  int flipped = 0;         ///< triangles that rotated by more than 90 degrees against the rotations of their corners
-  int folded = 0;          ///< triangles that did so against the surface around them, whatever the detail rotations
-  double volume = 0;       ///< before the edit, see enclosed_volume()
+  double rotation_max = 0;     ///< largest detail rotation
+  double stretch_rms = 0;      ///< RMS over the region's edges of new length / old length - 1
+  double stretch_max = 0;      ///< the largest of these, of edges that became longer
+  int flipped = 0;    ///< triangles that rotated by more than 90 degrees against the rotations of their corners
+  int folded = 0;     ///< triangles that did so against the surface around them, whatever the detail rotations
+  double volume = 0;  ///< before the edit, see enclosed_volume()
   double volume_change = 0;
   bool is_body = false;      ///< whether a percentage of the volume is meaningful, as it is not in a nearly flat region
   double rotation_left = 0;  ///< largest change of a detail rotation in the last pass; 0 without passes
@@ -139,10 +138,8 @@ struct EditReport : EditTimes, EditMeasures {
   int mesh_vertices = 0, handle = 0, free = 0, anchors = 0, fixed = 0, left_out = 0;
   int welded = 0;  ///< other vertices at the places of the region's, which have their positions
   EditSettings settings;
-  int iterations = 0;          ///< passes that were made
-  double normal_radius = 0;    ///< the radius used; 0 without smooth normals
-  int uniform_edges = 0;       ///< see DifferentialOperator
-  bool factor_reused = false;  ///< whether the previous system's factor was reused
+  int iterations = 0;        ///< passes that were made
+  double normal_radius = 0;  ///< the radius used; 0 without smooth normals
   /// Distance from a handle's given point to the nearest vertex; empty if no point was given.
   std::optional<double> handle_point_distance;
   bool has_targets = false;                 ///< whether single vertices had targets

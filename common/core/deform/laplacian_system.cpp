@@ -121,7 +121,7 @@ class Preparation {
  private:
   bool is_sharp() const;
   bool factor_fits() const;
-  bool factorise(bool reuse);
+  void factorise(bool reuse);
   void refuse_the_hopeless() const;
   CholeskyOptions cholesky_options(bool single_precision) const;
   void make_factor(bool single_precision);
@@ -170,7 +170,6 @@ void Preparation::make_operator(const TriangleMesh& mesh, const std::vector<Matr
       checkpoint();
       powers.first =
           settings.order == 1 && links.size() == 0 ? powers.m : std::make_shared<const OperatorRows>(whole.matrix);
-      powers.uniform_edges = whole.uniform_edges;
       powers.divisor = whole.divisor;
       powers.stretch = std::move(stretch);
       powers.links = std::move(links);
@@ -236,8 +235,8 @@ void Preparation::make_factor_and_kernel() {
   ThreadPool(apart ? 2 : 1).each(has_kernel ? 2 : 1, [&](int k) {
     if (k == 0) {
       const Stopwatch watch;
-      s_.figures.factor_reused = factorise(reuse);
-      s_.figures.factor_ms = watch.elapsed();
+      factorise(reuse);
+      s_.factor_ms = watch.elapsed();
     } else {
       make_kernel();
     }
@@ -245,16 +244,15 @@ void Preparation::make_factor_and_kernel() {
 }
 
 /// Makes the factor, or reuses the old one, and checks that solutions converge.
-/// @return whether the old one is reused
-bool Preparation::factorise(bool reuse) {
+void Preparation::factorise(bool reuse) {
   if (reuse) {
     s_.matrix = previous_->matrix;
     if (same_handles()) {
       s_.correction = previous_->correction;
-      return true;
+      return;
     }
     if (make_sure()) {
-      return true;
+      return;
     }
   }
   refuse_the_hopeless();
@@ -266,7 +264,7 @@ bool Preparation::factorise(bool reuse) {
     }
     make_factor(single_precision);
     if (make_sure()) {
-      return false;
+      return;
     }
   }
   refuse_conditioning(s_);
@@ -379,7 +377,7 @@ std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, 
   report_progress(0.1, "operator");
   preparation.make_operator(mesh, metric);
   preparation.weigh();
-  made->figures.operator_ms = watch.elapsed();
+  made->operator_ms = watch.elapsed();
   report_progress(0.2, "factorisation");
   preparation.make_factor_and_kernel();
   preparation.make_fair_surface();

@@ -20,16 +20,9 @@ constexpr double kAccurate = 1e-8;
 /// links both are the same object.
 struct LaplacianPowers {
   std::shared_ptr<const OperatorRows> m, first;
-  int uniform_edges = 0;    ///< see DifferentialOperator
   Eigen::VectorXd divisor;  ///< D of M = D^-1 L
   Eigen::VectorXd stretch;  ///< the diagonal c D, see membrane_factor() and OperatorRows; empty without a membrane
   Eigen::VectorXd links;    ///< link_strengths(), whose rows m has below those of M^k; empty without links
-};
-
-/// What making a system took, and whether it reused the factor.
-struct SystemFigures {
-  double operator_ms = 0, factor_ms = 0;
-  bool factor_reused = false;
 };
 
 /// The linear system of an edit, independent of the handles' motions (paper, sections 3 and 7). prepare_system() makes
@@ -54,11 +47,11 @@ struct LaplacianSystem {
   Eigen::VectorXd squared_weights;                ///< w_i^2 of handles and anchors, 0 for free vertices
   std::shared_ptr<const FactoredNormalMatrix> matrix;
   std::shared_ptr<const WoodburyCorrection> correction;  ///< for small handles, which are not in the factor; else null
-  SystemFigures figures;
-  double normal_radius = 0;                       ///< of the kernel; 0 without
-  std::unique_ptr<const SmoothingKernel> kernel;  ///< for EditMethod::Paper, else null
-  GeodesicFalloff falloff;                        ///< empty unless rotations are estimated from it
-  std::shared_ptr<const Points> fair;             ///< fair_displacement(); null if it is not known
+  double operator_ms = 0, factor_ms = 0;                 ///< that making it took
+  double normal_radius = 0;                              ///< of the kernel; 0 without
+  std::unique_ptr<const SmoothingKernel> kernel;         ///< for EditMethod::Paper, else null
+  GeodesicFalloff falloff;                               ///< empty unless rotations are estimated from it
+  std::shared_ptr<const Points> fair;                    ///< fair_displacement(); null if it is not known
 
   LaplacianSystem(std::shared_ptr<const RestPose> pose, const EditSettings& given, const SolverOptions& with)
       : shared_rest(std::move(pose)), rest(*shared_rest), region(*rest.region), settings(given), options(with) {}

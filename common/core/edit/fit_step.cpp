@@ -81,14 +81,6 @@ void measure(const Region& region, const Points& before, const Points& after, co
     report.causes.lost = {region.mesh_vertex[0], report.volume, now, false};
   }
   report.rotation_max = largest_rotation(rotations, {});
-  report.rotation_mean = report.rotation_max;
-  if (report.fit->mode == "pose") {
-    double sum = 0;
-    for (const Matrix3& rotation : rotations) {
-      sum += largest_rotation({rotation}, {});
-    }
-    report.rotation_mean = sum / static_cast<double>(rotations.size());
-  }
 }
 
 /// Returns the step with the mirror image of the mesh as its scan.

@@ -443,14 +443,10 @@ EditReport StepSolver::report() const {
     return report;
   }
   report.normal_radius = system_->normal_radius;
-  report.uniform_edges = system_->powers.uniform_edges;
-  report.factor_reused = system_->figures.factor_reused;
   if (preparation_.poses <= 1) {
     report.region_ms = preparation_.region_ms;
-    report.operator_ms = system_->figures.operator_ms;
-    report.factor_ms = system_->figures.factor_ms;
-  } else {  // everything existed before this pose
-    report.factor_reused = true;
+    report.operator_ms = system_->operator_ms;
+    report.factor_ms = system_->factor_ms;
   }
   if (positions_.rows() == 0) {
     return report;

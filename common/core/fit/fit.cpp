@@ -154,7 +154,6 @@ Fit::Fit(const FitProblem& problem)
   report.mode = name(of_.settings.mode);
   report.scan = of_.scan.name();
   report.aligned = name(allowed);
-  report.landmarks = static_cast<int>(landmarks);
   report.size_ratio = 1 / ratio;
   report.size = unit;
   report.scale = map.scale / ratio;
@@ -239,7 +238,6 @@ void Fit::pull() {
 }
 
 void Fit::run_stage(int stage, double length) {
-  FitReport& report = result_.report;
   const double part = std::min(1.0, energy_->mean_area() * with_.per_length * with_.per_length / (length * length));
   for (int round = 0; round < with_.rounds; ++round) {
     const std::string text = "fit: stage " + std::to_string(stage + 1) + " of " + std::to_string(kStages) + distance_;
@@ -251,7 +249,7 @@ void Fit::run_stage(int stage, double length) {
         pairs_->draw(v);
         velocity_.row(v).setZero();
       }
-      report.hidden = hidden_->count();
+      result_.report.hidden = hidden_->count();
     }
     pairs_->update(length, part, *pool_);
     if (round == 0) {
@@ -269,9 +267,7 @@ void Fit::run_stage(int stage, double length) {
     velocity_ = last ? step : with_.momentum * velocity_ + step;
     points_ += velocity_;
     hidden_->follow(rest_, of_.settings.mode == FitMode::Shape, points_);
-    ++report.rounds;
   }
-  ++report.stages;
 }
 
 FitDistances Fit::measured(bool back) const {

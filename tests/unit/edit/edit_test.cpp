@@ -206,37 +206,9 @@ TEST(Edit, SeveralFractionsOfOneStepShareOneFactorisation) {
       apply_edit(mesh, support::adjacency_of(mesh), edit_of({pull({kMiddle}, {0, 0, 3})}), {}, kFractions);
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const EditReport& report = poses[p].reports.at(0);
-    EXPECT_EQ(report.factor_reused, p > 0);
     EXPECT_EQ(report.factor_ms > 0, p == 0);
     EXPECT_EQ(report.operator_ms > 0, p == 0);
     EXPECT_EQ(report.solve_ms > 0, kFractions[p] > 0);
-  }
-}
-
-/// The second step has the same vertices and, as the window records them, the same anchors, in other shapes: the
-/// umbrella does not see shapes.
-TEST(Edit, LaterStepsOfSeveralFractionsReuseWhatFits) {
-  const TriangleMesh mesh = test_mesh();
-  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-    EditStep second = pull({kMiddle + 3}, {1, 0, 1}, 5);
-    second.region.kind = RegionSpec::Kind::Vertices;
-    for (int row = 10; row < 20; ++row) {
-      for (int column = 6; column < 18; ++column) {
-        second.region.vertices.push_back(row * kColumns + column);
-        if (row == 10 || row == 19 || column == 6 || column == 17) {
-          second.region.anchors.vertices.push_back(row * kColumns + column);
-        }
-      }
-    }
-    second.region.anchors.weights.assign(second.region.anchors.vertices.size(), 0.5);
-    second.region.anchors.depths.assign(second.region.anchors.vertices.size(), 1);
-    second.region.anchors.reach = 5;
-    second.settings.laplacian = laplacian;
-    const std::vector<EditResult> poses =
-        apply_edit(mesh, support::adjacency_of(mesh), edit_of({pull({kMiddle}, {0, 0, 3}), second}), {}, kFractions);
-    for (std::size_t p = 0; p < poses.size(); ++p) {
-      EXPECT_EQ(poses[p].reports.at(1).factor_reused, p > 0 && laplacian == LaplacianKind::Umbrella) << p;
-    }
   }
 }
 

@@ -65,8 +65,8 @@ TEST(Fit, ReportsStagesAndDistances) {
     }
     return true;
   };
-  const FitResult fit = fitted({}, 1, progress);
-  ASSERT_GE(static_cast<int>(stages.size()), 2 * fit.report.rounds);
+  fitted({}, 1, progress);
+  ASSERT_GE(stages.size(), 162U) << "two for each round";
   EXPECT_EQ(stages.front().rfind("fit: stage 1 of ", 0), 0U);
   EXPECT_NE(stages.back().find(", distance 0.0"), std::string::npos) << stages.back();
 }
@@ -76,9 +76,9 @@ TEST(Fit, ReportsStagesAndDistances) {
 TEST(Fit, AsksOftenWhetherItIsCancelledAndNotAgain) {
   std::vector<int> calls(2, 0);
   const Progress count = [&calls](double, const char* stage) { return ++calls[std::string(stage) == "align"] > 0; };
-  const FitResult whole = fitted({}, 1, count);
+  fitted({}, 1, count);
   // Before the pairs and before the solution of each round, and between tasks of each stage's factorisation.
-  EXPECT_GT(calls[0], 2 * whole.report.rounds + 20 * whole.report.stages);
+  EXPECT_GT(calls[0], 342);
   EXPECT_GT(calls[1], 20);
   for (int at = 1; at < calls[0] + calls[1]; at += 90) {
     int called = 0;
