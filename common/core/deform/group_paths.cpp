@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/base/whole_part.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
@@ -44,8 +46,7 @@ GroupPaths::GroupPaths(const Region& region, const Points& rest, const Vector3& 
     }
   }
   for (Group& group : groups_) {
-    std::sort(group.components.begin(), group.components.end());
-    group.components.erase(std::unique(group.components.begin(), group.components.end()), group.components.end());
+    group.components = sorted_set(std::move(group.components));
     group.centre /= static_cast<double>(std::max<std::size_t>(group.vertices.size(), 1));
     for (const int i : group.vertices) {
       if (!region.anchored[region.component[i]]) {

@@ -68,9 +68,7 @@ Region fit_region(const TriangleMesh& mesh, const Adjacency& adjacency, const Re
     }
   }
   middles.insert(middles.end(), landmarks.begin(), landmarks.end());
-  std::sort(middles.begin(), middles.end());
-  middles.erase(std::unique(middles.begin(), middles.end()), middles.end());
-  return build_region(mesh, adjacency, spec, {middles}, threads);
+  return build_region(mesh, adjacency, spec, {sorted_set(std::move(middles))}, threads);
 }
 
 void measure(const Region& region, const Points& before, const Points& after, const std::vector<Matrix3>& rotations,

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lapedit/mesh/geodesic.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
@@ -136,8 +137,7 @@ class PieceSearch {
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       consider(pieces[k], k < kMostEnclosed);
     }
-    std::sort(found_.links.begin(), found_.links.end());
-    found_.links.erase(std::unique(found_.links.begin(), found_.links.end()), found_.links.end());
+    found_.links = sorted_set(std::move(found_.links));
   }
 
  private:

@@ -14,6 +14,7 @@
 #include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/surface_measures.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/mesh/vertex_tree.h"
 #include "lapedit/mesh/visibility.h"
 
@@ -287,9 +288,7 @@ CompressedRows linked_neighbours(const TriangleMesh& mesh, const CompressedRows&
       entries.emplace_back(links[k].to, links[k].from);
     }
   }
-  std::sort(entries.begin(), entries.end());
-  entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
-  return with_edges(neighbours, entries);
+  return with_edges(neighbours, sorted_set(std::move(entries)));
 }
 
 }  // namespace lapedit

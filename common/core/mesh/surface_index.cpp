@@ -102,9 +102,7 @@ std::vector<int> order_by_position(const Points& points) {
 Eigen::VectorXd face_areas(const Points& points, const Faces& faces) {
   Eigen::VectorXd areas(faces.rows());
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const Vector3 a = points.row(faces(f, 0)).transpose(), b = points.row(faces(f, 1)).transpose(),
-                  c = points.row(faces(f, 2)).transpose();
-    areas[f] = faces(f, 0) == faces(f, 1) ? 1 : 0.5 * (b - a).cross(c - a).norm();
+    areas[f] = faces(f, 0) == faces(f, 1) ? 1 : 0.5 * area_normal(points, faces, f).norm();
   }
   return areas;
 }

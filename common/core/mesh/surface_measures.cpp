@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <tuple>
 #include <utility>
 
 #include "lapedit/base/polar_decomposition.h"
@@ -48,14 +47,6 @@ bool is_thick(const ComponentVolume& one) {
   return std::abs(one.volume) > kBody * std::pow(one.area, 1.5);
 }
 
-/// Returns the normal, with twice the area as its length.
-Vector3 face_normal(const Points& points, const Faces& faces, Eigen::Index face) {
-  const Vector3 a = points.row(faces(face, 0)).transpose();
-  const Vector3 b = points.row(faces(face, 1)).transpose();
-  const Vector3 c = points.row(faces(face, 2)).transpose();
-  return (b - a).cross(c - a);
-}
-
 }  // namespace
 
 double stretched_area(const Region& region, const Points& before, const Points& after, double factor) {
@@ -85,42 +76,25 @@ double stretched_area(const Region& region, const Points& before, const Points& 
 
 Bend bend_at_anchors(const Region& region, const Points& before, const Points& after) {
   constexpr double kDegrees = 57.29577951308232;
-  struct Side {
-    int from, to;  // the edge, the lower vertex first
-    bool is_reversed;
-    Eigen::Index face;
-
-    bool operator<(const Side& o) const {
-      return std::tie(from, to, is_reversed, face) < std::tie(o.from, o.to, o.is_reversed, o.face);
-    }
-  };
   const auto is_anchor = [&region](int v) { return region.classes[v] == VertexClass::Anchor; };
-  std::vector<Side> sides;
-  Checkpoints checkpoints;
-  for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
-    checkpoints();
-    for (int k = 0; k < 3; ++k) {
-      const auto [from, to] = std::minmax({region.faces(f, k), region.faces(f, (k + 1) % 3)});
-      if (is_anchor(from) || is_anchor(to)) {
-        sides.push_back({from, to, region.faces(f, k) != from, f});
-      }
-    }
-  }
-  std::sort(sides.begin(), sides.end());
+  const std::vector<int> partner = paired_sides(region.size(), region.faces);
+  const auto corner = [&region](int side) { return region.faces(side / 3, side % 3); };
   std::vector<Vector3> sums(region.size(), Vector3::Zero());  // of length times change, of lengths, of edges
-  for (std::size_t k = 0; k + 1 < sides.size(); ++k) {
-    const Side &one = sides[k], &other = sides[k + 1];
-    if (one.from != other.from || one.to != other.to || one.is_reversed == other.is_reversed) {
-      continue;
+  Checkpoints checkpoints;
+  for (int side = 0; side < static_cast<int>(partner.size()); ++side) {
+    checkpoints();
+    const int other = partner[side], from = corner(side), to = corner(side % 3 == 2 ? side - 2 : side + 1);
+    if (other < side || corner(other) == from || !(is_anchor(from) || is_anchor(to))) {
+      continue;  // each edge once, between faces of one orientation
     }
     const auto angle = [&](const Points& points) {
-      const Vector3 n = face_normal(points, region.faces, one.face), m = face_normal(points, region.faces, other.face);
-      const Vector3 along = (points.row(one.to) - points.row(one.from)).transpose().stableNormalized();
+      const Vector3 n = area_normal(points, region.faces, side / 3), m = area_normal(points, region.faces, other / 3);
+      const Vector3 along = (points.row(to) - points.row(from)).transpose().stableNormalized();
       return std::atan2(along.dot(n.cross(m)), n.dot(m));
     };
-    const double length = (before.row(one.to) - before.row(one.from)).norm();
+    const double length = (before.row(to) - before.row(from)).norm();
     const double change = std::remainder(kDegrees * (angle(after) - angle(before)), 360);
-    for (const int v : {one.from, one.to}) {
+    for (const int v : {from, to}) {
       sums[v] += Vector3(length * change, length, 1);
     }
   }
@@ -139,7 +113,7 @@ bool is_flipped(const Region& region, Eigen::Index f, const Points& before, cons
                 const std::vector<Matrix3>& rotations) {
   const Matrix3 rotation =
       rotations[region.faces(f, 0)] + rotations[region.faces(f, 1)] + rotations[region.faces(f, 2)];
-  return face_normal(after, region.faces, f).dot(rotation * face_normal(before, region.faces, f)) < 0;
+  return area_normal(after, region.faces, f).dot(rotation * area_normal(before, region.faces, f)) < 0;
 }
 
 /// Computes n_i = sum over faces i j k of (p_j - p_i) x (p_k - p_i), normalised.
@@ -179,7 +153,7 @@ Vector3 mean_normal(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   Vector3 sum = Vector3::Zero();
   for (const int v : vertices) {
     for (const int f : adjacency.faces[v]) {
-      const Vector3 normal = face_normal(mesh.vertices, mesh.faces, f);
+      const Vector3 normal = area_normal(mesh.vertices, mesh.faces, f);
       if (normal.allFinite()) {
         sum += normal;
       }
@@ -241,7 +215,7 @@ std::vector<ComponentVolume> component_volumes(const Region& region, const Point
   for (Eigen::Index f = 0; f < region.faces.rows(); ++f) {
     checkpoints();
     const int c = region.component[region.faces(f, 0)];
-    const Vector3 normal = face_normal(positions, region.faces, f);
+    const Vector3 normal = area_normal(positions, region.faces, f);
     const Vector3 corner = positions.row(region.faces(f, 0)).transpose();
     result[c].volume += (corner - from.row(c).transpose()).dot(normal) / 6;
     result[c].area += normal.norm() / 2;

@@ -36,7 +36,7 @@ struct Bend {
   int at = -1;  ///< of the region; -1: there is none
 };
 /// Searches among the anchors. The bend at a vertex is that of a fold through it with the same sum of edge length times
-/// change of angle between the edge's faces, in which slivers cancel. Cost: O(faces log faces) of the anchors.
+/// change of angle between the edge's two faces, in which slivers cancel. Cost: O(faces).
 Bend bend_at_anchors(const Region& region, const Points& before, const Points& after);
 
 /// Returns whether the normal of a face rotated by more than 90 degrees against the mean of its corners' rotations.

@@ -32,6 +32,15 @@ bool keep_distinct(Faces& faces);
 /// Returns the vertices that have a face with three different corners, and finite coordinates. O(vertices + faces)
 std::vector<int> usable_vertices(const TriangleMesh& mesh);
 
+/// Returns the normal of a face, twice its area long.
+inline Vector3 area_normal(const Points& points, const Faces& faces, Eigen::Index face) {
+  const Vector3 a = points.row(faces(face, 0)), b = points.row(faces(face, 1)), c = points.row(faces(face, 2));
+  return (b - a).cross(c - a);
+}
+inline Vector3 area_normal(const TriangleMesh& mesh, int face) {
+  return area_normal(mesh.vertices, mesh.faces, face);
+}
+
 /// Returns the bounding box of some vertices with finite coordinates.
 Eigen::AlignedBox3d bounding_box(const Points& points, const std::vector<int>& vertices);
 /// Returns the bounding box of all finite points; empty if there are none.

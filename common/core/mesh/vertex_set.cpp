@@ -24,12 +24,6 @@ void require_vertex(const char* what, int vertex, Eigen::Index count, const char
   }
 }
 
-std::vector<int> sorted_set(std::vector<int> vertices) {
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  return vertices;
-}
-
 int index_in(const std::vector<int>& set, int vertex) {
   const auto found = std::lower_bound(set.begin(), set.end(), vertex);
   return found != set.end() && *found == vertex ? static_cast<int>(found - set.begin()) : -1;

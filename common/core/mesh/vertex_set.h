@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "lapedit/mesh/adjacency.h"
@@ -15,8 +16,13 @@ void require_vertex(const char* what, int vertex, Eigen::Index count, const char
 
 // Sets of vertices are ascending lists without duplicates.
 
-/// Returns the set of vertices given in any order, with duplicates.
-std::vector<int> sorted_set(std::vector<int> vertices);
+/// Returns the set of the vertices, or of other values, given in any order, with duplicates.
+template <class Value = int>
+std::vector<Value> sorted_set(std::vector<Value> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
 
 /// Returns the index of a vertex in a set, -1 if it is not in it.
 int index_in(const std::vector<int>& set, int vertex);

@@ -161,11 +161,6 @@ Vector3 corner(const TriangleMesh& mesh, int face, int k) {
 
 }  // namespace
 
-Vector3 area_normal(const TriangleMesh& mesh, int face) {
-  const Vector3 a = corner(mesh, face, 0);
-  return (corner(mesh, face, 1) - a).cross(corner(mesh, face, 2) - a);
-}
-
 double distance_along(const TriangleMesh& mesh, const Ray& ray, int face) {
   const Vector3 a = corner(mesh, face, 0);
   const Vector3 along = corner(mesh, face, 1) - a;

@@ -30,9 +30,6 @@ double distance_along(const TriangleMesh& mesh, const Ray& ray, int face);
 /// Barycentric coordinates down to minus this count as inside a face.
 constexpr double kRaySeam = 1e-9;
 
-/// Returns the normal of a face, twice its area long.
-Vector3 area_normal(const TriangleMesh& mesh, int face);
-
 /// Answers many visibility queries for one pose of a mesh.
 class Visibility {
  public:
