@@ -28,7 +28,7 @@ class IntrinsicTriangulation {
   double area(int face) const { return area_[face]; }
   void measure(int face);
   double cotangent(int side) const;  // of the opposite angle
-  void orient();
+  void orient(const Faces& faces);
   void reverse(int face);
   void mollify();
   bool flip(int side);
@@ -62,7 +62,7 @@ IntrinsicTriangulation::IntrinsicTriangulation(const Points& points, const Faces
   for (int face = 0; face < static_cast<int>(area_.size()); ++face) {
     measure(face);
   }
-  orient();
+  orient(faces);
 }
 
 /// Adds the least length to all sides with which every triangle inequality holds by a small margin.
@@ -91,37 +91,17 @@ void IntrinsicTriangulation::reverse(int face) {
   }
 }
 
-/// Gives connected faces one orientation. Where that is impossible, as on a Moebius strip, cuts the edge.
-void IntrinsicTriangulation::orient() {
-  const auto faces = static_cast<int>(corner_.size() / 3);
-  std::vector<char> seen(static_cast<std::size_t>(faces), 0);
-  std::vector<int> stack;
-  for (int first = 0; first < faces; ++first) {
-    if (seen[first] == 0) {
-      seen[first] = 1;
-      stack.push_back(first);
+/// Gives connected faces one orientation. Where that is impossible, cuts the edge.
+void IntrinsicTriangulation::orient(const Faces& faces) {
+  const std::vector<char> flips = flips_of(partner_, faces);
+  for (int face = 0; face < static_cast<int>(flips.size()); ++face) {
+    if (flips[face] != 0) {
+      reverse(face);
     }
-    while (!stack.empty()) {
-      const int face = stack.back();
-      stack.pop_back();
-      for (int side = 3 * face; side < 3 * face + 3; ++side) {
-        const int other = partner_[side];
-        if (other < 0) {
-          continue;
-        }
-        const bool same = corner_[other] == corner_[side];
-        if (seen[other / 3] != 0) {
-          if (same) {
-            partner_[side] = partner_[other] = -1;
-          }
-          continue;
-        }
-        if (same) {
-          reverse(other / 3);
-        }
-        seen[other / 3] = 1;
-        stack.push_back(other / 3);
-      }
+  }
+  for (int side = 0; side < static_cast<int>(corner_.size()); ++side) {
+    if (const int other = partner_[side]; other >= 0 && corner_[other] == corner_[side]) {
+      partner_[side] = partner_[other] = -1;
     }
   }
 }

@@ -125,6 +125,26 @@ std::vector<int> paired_sides(int vertex_count, const Faces& faces) {
   return partner;
 }
 
+std::vector<char> flips_of(const std::vector<int>& partner, const Faces& faces) {
+  const auto corner = [&faces](int side) { return faces(side / 3, side % 3); };
+  std::vector<char> flips(static_cast<std::size_t>(faces.rows()), 0), seen = flips;
+  for (int first = 0; first < static_cast<int>(flips.size()); ++first) {
+    std::vector<int> stack(std::exchange(seen[first], 1) ? 0 : 1, first);
+    while (!stack.empty()) {
+      const int face = stack.back();
+      stack.pop_back();
+      for (int k = 0; k < 3; ++k) {
+        const int side = 3 * face + (flips[face] ? 2 - k : k), other = partner[side];
+        if (other >= 0 && !std::exchange(seen[other / 3], 1)) {
+          flips[other / 3] = flips[face] ^ (corner(side) == corner(other) ? 1 : 0);
+          stack.push_back(other / 3);
+        }
+      }
+    }
+  }
+  return flips;
+}
+
 using Edge = std::pair<unsigned, unsigned>;
 
 std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {

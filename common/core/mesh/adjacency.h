@@ -30,6 +30,10 @@ int connected_components(const CompressedRows& neighbours, std::vector<int>& lab
 /// unless the edge has exactly two sides. O(faces)
 std::vector<int> paired_sides(int vertex_count, const Faces& faces);
 
+/// Returns which faces have to be flipped so that those that share an edge of two faces agree with the first one. Where
+/// that is impossible, as on a Moebius strip, some do not. @param partner  paired_sides(). Cost: O(faces)
+std::vector<char> flips_of(const std::vector<int>& partner, const Faces& faces);
+
 /// Concatenated paths along edges; a closed one ends with its first vertex.
 struct Chains {
   std::vector<unsigned> vertices;

@@ -39,28 +39,6 @@ int largest_label(const std::vector<int>& labels, int count) {
   return static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
 }
 
-/// Returns which faces have to be flipped so that those that share an edge of two faces agree with the first one.
-/// Cost: O(faces)
-std::vector<char> flips_of(int vertex_count, const Faces& faces) {
-  const std::vector<int> partner = paired_sides(vertex_count, faces);
-  const auto corner = [&faces](int side) { return faces(side / 3, side % 3); };
-  std::vector<char> flips(static_cast<std::size_t>(faces.rows()), 0), seen = flips;
-  for (int f = 0; f < static_cast<int>(flips.size()); ++f) {
-    std::vector<int> queue(seen[f] ? 0 : 1, f);
-    for (std::size_t head = 0; head < queue.size(); ++head) {
-      const int face = queue[head];
-      seen[face] = 1;
-      for (int side = 3 * face; side < 3 * face + 3; ++side) {
-        if (const int other = partner[side]; other >= 0 && !std::exchange(seen[other / 3], 1)) {
-          flips[other / 3] = flips[face] ^ (corner(side) == corner(other) ? 1 : 0);
-          queue.push_back(other / 3);
-        }
-      }
-    }
-  }
-  return flips;
-}
-
 /// Finds the nearest vertices that a link may lead to: those of other pieces, from a border those of a border of the
 /// same piece that are near in space but far along the surface, and those on the other side of a wall.
 class LinkSearch {
@@ -137,7 +115,7 @@ void LinkSearch::find_walls() {
   const Vector3 margin = Vector3::Constant(2 * gap_), centre = reach.center();
   reach = Eigen::AlignedBox3d(reach.min() - margin, reach.max() + margin);
   Faces faces = mesh_.faces;
-  const std::vector<char> flips = flips_of(static_cast<int>(points_.rows()), faces);
+  const std::vector<char> flips = flips_of(paired_sides(static_cast<int>(points_.rows()), faces), faces);
   std::vector<double> volumes(is_open_.size(), 0);
   std::vector<char> disagrees(is_open_.size(), 0);
   double volume = 0;
