@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -6,9 +7,8 @@
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/base/simd.h"
 
-// Runs Newton's iteration of nearest_rotation() on eight matrices at a time. Each lane does the operations that Eigen
-// does for one matrix, in the same order and without contraction, so that the results have the same bits. If the
-// iteration does not converge for a matrix, rotate_all() calls nearest_rotation().
+// Newton's iteration for the polar factor (N. Higham 1986), on eight matrices at a time: X <- (g X + X^-T / g) / 2 with
+// g^2 = |X^-T| / |X|. The operations are the same on every processor, without contraction, and so are the bits.
 
 namespace lapedit {
 namespace {
@@ -23,6 +23,13 @@ struct Matrices {
   Lanes m[9];
 
   LAPEDIT_INLINE Lanes operator()(int row, int column) const { return m[3 * column + row]; }
+  LAPEDIT_INLINE Matrix3 at(int lane) const {
+    Matrix3 matrix;
+    for (int k = 0; k < 9; ++k) {
+      matrix.data()[k] = m[k][lane];
+    }
+    return matrix;
+  }
 };
 
 /// Adds the squares in the order in which Eigen sums nine squares with vectors of two.
@@ -64,18 +71,19 @@ LAPEDIT_INLINE Lanes determinant(const Matrices& a) {
   return term(0, 1, 2) - term(1, 0, 2) + term(2, 0, 1);
 }
 
-/// Replaces each matrix by its nearest rotation. @return per lane, whether the iteration has converged
-LAPEDIT_INLINE Mask iterate(Matrices& x) {
-  constexpr double kUndetermined = 1e-10, kSafeDeterminant = 1e-4;
-  const Lanes size = square_root(squared_norm(x));
-  LAPEDIT_UNROLL(9)
-  for (int k = 0; k < 9; ++k) {
-    x.m[k] = x.m[k] / size + (k % 4 == 0 ? kUndetermined : 0);
-  }
-  const Mask asymmetric = (x(0, 1) != x(1, 0)) | (x(0, 2) != x(2, 0)) | (x(1, 2) != x(2, 1));
-  const Mask open = asymmetric & (determinant(x) > kSafeDeterminant) & (size > 0);
+/// Replaces the matrices of open lanes by their nearest rotations. @return per lane, whether the iteration has
+/// converged
+LAPEDIT_INLINE Mask iterate(Matrices& x, Mask open) {
   Mask settled = {};
   for (int step = 0; step < 12; ++step) {
+    const Mask left = open & ~settled;
+    std::int64_t any = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      any |= left[lane];
+    }
+    if (any == 0) {
+      break;
+    }
     const Matrices back = inverse_transposed(x);
     const Lanes gamma = square_root(square_root(squared_norm(back)) / square_root(squared_norm(x)));
     Matrices next, change;
@@ -86,50 +94,49 @@ LAPEDIT_INLINE Mask iterate(Matrices& x) {
       x.m[k] = select(settled, x.m[k], next.m[k]);
     }
     settled |= open & (squared_norm(change) < 1e-26);
-    const Mask left = open & ~settled;
-    std::int64_t any = 0;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      any |= left[lane];
-    }
-    if (any == 0) {
-      break;
-    }
   }
   return settled;
 }
 
+/// The iteration is accurate and fast unless a matrix is nearly singular; the SVD handles such matrices.
 LAPEDIT_INLINE void rotate_all(const Matrix3* matrices, int count, Matrix3* rotations) {
+  constexpr double kUndetermined = 1e-10, kSafeDeterminant = 1e-4;
   for (int first = 0; first < count; first += kLanes) {
     const int lanes = std::min(kLanes, count - first);
-    Matrices x;
+    Matrices start;
     for (int k = 0; k < 9; ++k) {
       for (int lane = 0; lane < kLanes; ++lane) {
-        x.m[k][lane] = matrices[first + std::min(lane, lanes - 1)].data()[k];
+        start.m[k][lane] = matrices[first + std::min(lane, lanes - 1)].data()[k];
       }
     }
-    const Mask settled = iterate(x);
+    const Lanes size = square_root(squared_norm(start));
+    LAPEDIT_UNROLL(9)
+    for (int k = 0; k < 9; ++k) {
+      start.m[k] = start.m[k] / size + (k % 4 == 0 ? kUndetermined : 0);
+    }
+    // Exactly the identity for vertices that have not moved, whose matrices are symmetric and positive definite.
+    Mask stays = (start(0, 1) == start(1, 0)) & (start(0, 2) == start(2, 0)) & (start(1, 2) == start(2, 1));
+    for (int lane = 0; lane < kLanes; ++lane) {
+      stays[lane] = !(size[lane] > 0) || (stays[lane] != 0 && start.at(lane).llt().info() == Eigen::Success) ? -1 : 0;
+    }
+    Matrices x = start;
+    const Mask settled = iterate(x, (determinant(start) > kSafeDeterminant) & ~stays);
     for (int lane = 0; lane < lanes; ++lane) {
-      Matrix3& rotation = rotations[first + lane];
-      if (settled[lane] == 0) {
-        rotation = nearest_rotation(matrices[first + lane]);
-        continue;
-      }
-      for (int k = 0; k < 9; ++k) {
-        rotation.data()[k] = x.m[k][lane];
-      }
+      rotations[first + lane] = stays[lane] != 0     ? Matrix3(Matrix3::Identity())
+                                : settled[lane] != 0 ? x.at(lane)
+                                                     : polar_rotation(start.at(lane));
     }
   }
 }
 
+void rotate_plain(const Matrix3* matrices, int count, Matrix3* rotations) {
+  rotate_all(matrices, count, rotations);
+}
 LAPEDIT_AVX2 void rotate_avx2(const Matrix3* matrices, int count, Matrix3* rotations) {
   rotate_all(matrices, count, rotations);
 }
 LAPEDIT_AVX512 void rotate_avx512(const Matrix3* matrices, int count, Matrix3* rotations) {
   rotate_all(matrices, count, rotations);
-}
-
-void rotate_plain(const Matrix3* matrices, int count, Matrix3* rotations) {
-  std::transform(matrices, matrices + count, rotations, nearest_rotation);
 }
 
 }  // namespace

@@ -11,12 +11,10 @@ Matrix3 polar_rotation(const Matrix3& matrix);
 
 /// Returns the rotation nearest to a matrix: its polar factor with determinant +1. It is the identity for zero, and
 /// exactly the identity for a symmetric positive definite matrix; directions in the kernel of the matrix rotate as
-/// little as possible. Regular matrices use Newton's iteration (N. Higham 1986), which is several times faster; nearly
-/// singular ones use polar_rotation().
+/// little as possible.
 Matrix3 nearest_rotation(const Matrix3& matrix);
 
-/// Computes rotations[i] = nearest_rotation(matrices[i]) with the same bits, several at a time if the processor can.
-/// Both arrays may be the same.
+/// Computes rotations[i] = nearest_rotation(matrices[i]), several at a time. Both arrays may be the same.
 void nearest_rotations(const Matrix3* matrices, int count, Matrix3* rotations);
 
 }  // namespace lapedit

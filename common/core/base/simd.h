@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 
@@ -51,10 +50,6 @@ LAPEDIT_INLINE void store(Scalar* to, Vector vector) {
 template <class Scalar>
 LAPEDIT_INLINE typename Simd<Scalar, 4>::Vector load3(const Scalar* from) {
   return typename Simd<Scalar, 4>::Vector{from[0], from[1], from[2], 0};
-}
-/// Returns a b + c, rounded once.
-LAPEDIT_INLINE double fused(double a, double b, double c) {
-  return std::fma(a, b, c);
 }
 /// Returns the variant of a function that was compiled for cpu_level().
 template <class Function>

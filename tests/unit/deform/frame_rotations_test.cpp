@@ -204,7 +204,7 @@ TEST(FrameRotations, PoseToRotateFromCanBeChanged) {
 
 /// Turned, stretched, flat, mirrored, symmetric and empty matrices, of all sizes, also in lists that end within a
 /// vector.
-TEST(NearestRotations, AreThoseOfOneMatrixToTheBit) {
+TEST(NearestRotations, AreThePolarFactors) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   std::vector<Matrix3> matrices(5003);
@@ -212,18 +212,30 @@ TEST(NearestRotations, AreThoseOfOneMatrixToTheBit) {
     Matrix3 noise = Matrix3::NullaryExpr([&] { return normal(random); });
     Matrix3 turned = noise * noise.transpose();
     turned += 0.01 * turned.norm() * Matrix3::Identity();
-    turned = nearest_rotation(noise) * turned;
+    turned = polar_rotation(noise) * turned;
     noise.col(2) *= i % 3 == 0 ? 1e-7 : 1;
-    const Matrix3 kinds[] = {turned, turned, turned, noise, noise * noise.transpose(), Matrix3::Zero()};
+    const Matrix3 kinds[] = {turned,         turned, noise + noise.transpose(), noise, noise * noise.transpose(),
+                             Matrix3::Zero()};
     matrices[i] = std::exp(9 * normal(random)) * kinds[random() % 6];
   }
-  for (const int count : {5003, 8, 7, 1, 0}) {
-    std::vector<Matrix3> found(matrices.size(), Matrix3::Constant(-3));
-    nearest_rotations(matrices.data(), count, found.data());
-    for (std::size_t i = 0; i < matrices.size(); ++i) {
-      const Matrix3 expected =
-          static_cast<int>(i) < count ? nearest_rotation(matrices[i]) : Matrix3(Matrix3::Constant(-3));
-      ASSERT_EQ(found[i], expected) << i;
+  std::vector<Matrix3> found = matrices;
+  nearest_rotations(found.data(), 5003, found.data());
+  for (std::size_t i = 0; i < matrices.size(); ++i) {
+    const Matrix3& matrix = matrices[i];
+    EXPECT_EQ(nearest_rotation(matrix), found[i]) << i;
+    if (matrix == matrix.transpose() && matrix.llt().info() == Eigen::Success) {
+      EXPECT_EQ(found[i], Matrix3(Matrix3::Identity())) << i;
+    } else if (matrix.norm() > 0) {
+      const Matrix3 expected = polar_rotation(matrix);
+      EXPECT_LT(support::rotation_defect(found[i]), 1e-12) << i;
+      EXPECT_GE(found[i].cwiseProduct(matrix).sum(), (1 - 1e-7) * expected.cwiseProduct(matrix).sum()) << i;
+    }
+  }
+  for (const int count : {8, 7, 0}) {
+    std::vector<Matrix3> some(9, Matrix3::Constant(-3));
+    nearest_rotations(matrices.data(), count, some.data());
+    for (int i = 0; i < 9; ++i) {
+      EXPECT_EQ(some[i], i < count ? found[i] : Matrix3(Matrix3::Constant(-3))) << i;
     }
   }
 }
