@@ -56,13 +56,16 @@ auto keyed(const Key& key, const Work& work) {
     throw;
   }
 }
-/// The same for an entry of a list, as "handles[1]".
+/// Returns the key of an entry of a list, as "handles[1]".
+inline std::string entry_key(const std::string& list, std::size_t entry) {
+  return list + "[" + std::to_string(entry) + "]";
+}
 template <class Key, class Work>
 auto keyed(const Key& list, std::size_t entry, const Work& work) {
   try {
     return work();
   } catch (EditError& error) {
-    error.at(std::string(list) + "[" + std::to_string(entry) + "]");
+    error.at(entry_key(list, entry));
     throw;
   }
 }

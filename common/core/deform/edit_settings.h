@@ -89,9 +89,8 @@ struct Setting {
   std::optional<EditMethod> only = {};    ///< the method that has this setting; none: all methods have it
   std::optional<EditMethod> fixed = {};   ///< a method with which it has its default value only
 
-  /// Returns whether the method has this setting, and whether its value can be changed.
+  /// Returns whether the method has this setting.
   bool applies(EditMethod method) const { return !only || *only == method; }
-  bool varies(EditMethod method) const { return applies(method) && fixed != method; }
 };
 
 /// Returns all settings in the order in which they are shown and written. The first is the method: setting it gives all

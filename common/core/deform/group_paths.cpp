@@ -106,7 +106,7 @@ void GroupPaths::check(const std::vector<HandleMotion>& motions) const {
     if (!motion.map.matrix().allFinite() || !motion.targets.allFinite() || !std::isfinite(motion.fraction)) {
       throw EditError(ErrorCause::NotFinite,
                       "The target of handle group " + std::to_string(g) + " is not finite: give finite coordinates.")
-          .at("handles[" + std::to_string(g) + "]");
+          .at(entry_key("handles", g));
     }
     if (g < groups_.size() && motion.targets.rows() > 0 &&
         motion.targets.rows() != static_cast<Eigen::Index>(groups_[g].vertices.size())) {
@@ -114,7 +114,7 @@ void GroupPaths::check(const std::vector<HandleMotion>& motions) const {
                                                     std::to_string(groups_[g].vertices.size()) + " vertices and " +
                                                     std::to_string(motion.targets.rows()) +
                                                     " targets: give one target for each vertex.")
-          .at("handles[" + std::to_string(g) + "].targets");
+          .at(entry_key("handles", g) + ".targets");
     }
   }
 }

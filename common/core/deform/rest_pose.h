@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lapedit/mesh/region.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 
@@ -19,14 +20,11 @@ struct RestPose {
 
   /// @param mesh  not kept after construction
   RestPose(const TriangleMesh& mesh, std::shared_ptr<const Region> with)
-      : region(std::move(with)), world(region->size(), 3), local(region->size(), 3) {
+      : region(std::move(with)), world(gather(mesh.vertices, region->mesh_vertex)) {
     const auto handle = std::find(region->classes.begin(), region->classes.end(), VertexClass::Handle);
     const auto first = handle == region->classes.end() ? 0 : handle - region->classes.begin();
-    origin = mesh.vertices.row(region->mesh_vertex[first]).transpose();
-    for (int i = 0; i < region->size(); ++i) {
-      world.row(i) = mesh.vertices.row(region->mesh_vertex[i]);
-      local.row(i) = world.row(i) - origin.transpose();
-    }
+    origin = world.row(first).transpose();
+    local = world.rowwise() - origin.transpose();
   }
 };
 

@@ -166,10 +166,6 @@ void SmoothingKernel::apply(const Points& in, Points& out, Points& scratch) cons
   }
 }
 
-std::size_t SmoothingKernel::entries() const {
-  return direct_.columns.size() + blend_.columns.size();
-}
-
 double automatic_normal_radius(const Region& region, const Points& rest) {
   double sum = 0;
   int edges = 0;

@@ -25,9 +25,8 @@ class SmoothingKernel {
   /// Computes the weighted means, size() x 3. @param scratch  keeps its storage between calls
   void apply(const Points& in, Points& out, Points& scratch) const;
 
-  /// Returns whether means are computed at sample centres, and the number of weights that are stored.
+  /// Returns whether means are computed at sample centres.
   bool sampled() const { return !blend_.columns.empty(); }
-  std::size_t entries() const;
 
  private:
   struct Rows {  // sparse rows, normalised

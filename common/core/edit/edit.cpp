@@ -113,7 +113,7 @@ class Poses {
     }
     EditError refusal(error.cause(), sentence, error.vertex());
     if (!error.key().empty()) {
-      refusal.at("steps[" + std::to_string(k) + "]." + error.key());
+      refusal.at(entry_key("steps", k) + "." + error.key());
     }
     throw refusal;
   }

@@ -19,7 +19,7 @@ std::string group_name(std::size_t number) {
 }
 
 std::string key_of(std::size_t group, const std::string& key) {
-  return "handles[" + std::to_string(group) + "]." + key;
+  return entry_key("handles", group) + "." + key;
 }
 
 /// Throws if a single vertex is to be rotated or scaled about itself, which would have no effect.

@@ -25,7 +25,7 @@ std::vector<FitLandmark> landmarks_of(const EditStep& step) {
       throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) +
                                                     " of the fit has no targets: give landmarks, or targets for its "
                                                     "vertices or points.")
-          .at("handles[" + std::to_string(g) + "].targets");
+          .at(entry_key("handles", g) + ".targets");
     }
     for (std::size_t k = 0; k < group.vertices.size(); ++k) {
       landmarks.push_back(
@@ -188,8 +188,8 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   std::vector<int> excluded;
   for (const int v : step.fit->exclude) {
     require_vertex("Excluded vertex", v, mesh.vertices.rows(), "fit.exclude.vertices");
-    if (contains(region.mesh_vertex, v)) {
-      excluded.push_back(static_cast<int>(index_in(region.mesh_vertex, v)));
+    if (const int i = index_in(region.mesh_vertex, v); i >= 0) {
+      excluded.push_back(i);
     }
   }
   FitResult result =

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
-#include "lapedit/base/format_text.h"
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/mesh/vertex_set.h"
 
@@ -15,13 +14,11 @@ namespace lapedit {
 namespace {
 
 [[noreturn]] void refuse_missing(const TriangleMesh& mesh, const std::vector<int>& missing, std::size_t of) {
-  const Vector3 position = position_of(mesh.vertices, missing[0]);
   throw EditError(ErrorCause::BadParameter,
                   std::to_string(missing.size()) + " of " + std::to_string(of) +
                       " handle vertices have no vertex near their mirrored positions, the first is vertex " +
-                      std::to_string(missing[0]) + " at (" + number_text(position[0]) + ", " +
-                      number_text(position[1]) + ", " + number_text(position[2]) +
-                      "): move the mirror plane, or edit without it.",
+                      std::to_string(missing[0]) + " at " + place_text(position_of(mesh.vertices, missing[0])) +
+                      ": move the mirror plane, or edit without it.",
                   missing[0])
       .at("mirror");
 }

@@ -84,9 +84,7 @@ class VertexTransfer {
     for (const auto& [vertex, member] : images(std::exchange(region.vertices, {}))) {
       region.vertices.push_back(vertex);
       if (const auto at = entry.find(member); at != entry.end()) {
-        region.anchors.vertices.push_back(vertex);
-        region.anchors.weights.push_back(kept.weights[at->second]);
-        region.anchors.depths.push_back(kept.depths[at->second]);
+        region.anchors.add(vertex, kept.weights[at->second], kept.depths[at->second]);
       }
     }
     return region;
@@ -259,7 +257,7 @@ void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Se
   }
   for (std::size_t s = 0; s < edit.steps.size(); ++s) {
     EditStep& step = edit.steps[s];
-    const std::string key = "steps[" + std::to_string(s) + "].";
+    const std::string key = entry_key("steps", s) + ".";
     if (!step.region_query.empty()) {
       step.region.vertices = keyed(key + "region", [&] {
         return step.region_query.within

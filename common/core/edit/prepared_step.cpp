@@ -71,11 +71,11 @@ void PreparedStep::move(const EditStep& step) {
   for (std::size_t g = 0; g < next.handles.size() || g < step_.handles.size(); ++g) {
     if (next.handles.size() != step_.handles.size() || next.handles[g].vertices != step_.handles[g].vertices) {
       throw EditError(ErrorCause::BadParameter,
-                      "handles[" + std::to_string(g) +
-                          "]: these are not the vertices that the step was prepared for: "
+                      entry_key("handles", g) +
+                          ": these are not the vertices that the step was prepared for: "
                           "give the step's own handle groups in their order, with other motions; for other vertices "
                           "prepare another step.")
-          .at("handles[" + std::to_string(g) + "]");
+          .at(entry_key("handles", g));
     }
   }
   step_.handles = next.handles;

@@ -472,8 +472,7 @@ EditReport StepSolver::report() const {
     report.contact = contact_report();
   }
   if (report.causes.behind >= 0) {
-    const std::vector<int>& vertices = region().mesh_vertex;
-    const auto behind = std::find(vertices.begin(), vertices.end(), report.causes.behind) - vertices.begin();
+    const int behind = index_in(region().mesh_vertex, report.causes.behind);
     report.causes.step = spacing(options_.scalar, positions_.row(behind).cwiseAbs().maxCoeff());
   }
   return report;

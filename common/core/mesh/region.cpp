@@ -21,7 +21,7 @@ bool is_finite(const Points& points, int vertex) {
 }
 
 std::string key_of(std::size_t group, const char* key) {
-  return "handles[" + std::to_string(group) + "]." + key;
+  return entry_key("handles", group) + "." + key;
 }
 
 void check_weights(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& weights) {
@@ -99,10 +99,6 @@ class RegionBuilder {
   void classify();
   void find_components();
   void take_weights(const Weights& weights);
-  template <class Body>
-  void each(const Body& body) {
-    for_indices(pool_, region_.size(), kGrain, body);
-  }
 
   const TriangleMesh& mesh_;
   const Adjacency& adjacency_;
@@ -378,14 +374,16 @@ void RegionBuilder::place_anchor_band() {
       }
     }
     const DistanceField from_boundary({mesh_, adjacency_}, seeds, width, &inside, pool_);
-    each([&](int i) { depth[i] = width > 0 ? 1 - from_boundary[region_.mesh_vertex[i]] / width : 0; });
+    for (int i = 0; width > 0 && i < region_.size(); ++i) {
+      depth[i] = 1 - from_boundary[region_.mesh_vertex[i]] / width;
+    }
   } else if (spec_.kind == RegionSpec::Kind::Radius && spec_.padding > 0) {
-    each([&](int i) {
+    for (int i = 0; i < region_.size(); ++i) {
       depth[i] = (region_.distance[i] - (1 - spec_.padding) * spec_.radius) / (spec_.padding * spec_.radius);
-    });
+    }
   }
-  if (!attached_.is_free.empty()) {
-    each([&](int i) { depth[i] = attached_.is_free[region_.mesh_vertex[i]] ? 0 : depth[i]; });
+  for (int i = 0; !attached_.is_free.empty() && i < region_.size(); ++i) {
+    depth[i] = attached_.is_free[region_.mesh_vertex[i]] ? 0 : depth[i];
   }
   for (const int v : spec_.held) {
     if (const int i = local_[v]; i >= 0) {
@@ -403,7 +401,7 @@ void RegionBuilder::classify() {
   region_.anchor_weight.assign(n, -1);
   region_.anchor_depth.assign(n, 0);
   place_anchor_band();
-  each([&](int i) {
+  for (int i = 0; i < n; ++i) {
     double& depth = region_.anchor_depth[i];
     double& weight = region_.anchor_weight[i];
     const bool kept = weight >= 0;
@@ -414,7 +412,7 @@ void RegionBuilder::classify() {
     } else {
       depth = weight = 0;
     }
-  });
+  }
   for (const int v : handles_) {
     const int i = local_[v];
     region_.classes[i] = VertexClass::Handle;
@@ -625,9 +623,8 @@ KeptAnchors anchors_of(const Region& region) {
   KeptAnchors anchors;
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Anchor) {
-      anchors.vertices.push_back(region.mesh_vertex[i]);
-      anchors.weights.push_back(region.anchor_weight[i]);
-      anchors.depths.push_back(region.anchor_depth.empty() ? 1 : region.anchor_depth[i]);
+      anchors.add(region.mesh_vertex[i], region.anchor_weight[i],
+                  region.anchor_depth.empty() ? 1 : region.anchor_depth[i]);
     }
   }
   anchors.reach = anchors.empty() ? 0 : region.max_distance;

@@ -25,6 +25,11 @@ struct KeptAnchors {
   double reach = 0;             ///< largest handle distance at that time, model units: > 0 if there are vertices
 
   bool empty() const { return vertices.empty(); }
+  void add(int vertex, double weight, double depth) {
+    vertices.push_back(vertex);
+    weights.push_back(weight);
+    depths.push_back(depth);
+  }
 };
 
 /// @throws EditError (BadParameter, BadIndex) unless each anchor has a weight and a depth within their ranges

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/progress.h"
@@ -287,24 +288,19 @@ RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const Mi
   const std::vector<MirrorImages::Pairs> image = images.of({sorted_set(kept.vertices)}, missing);
   for (const auto& [v, original] : image.front()) {
     if (entry.count(v) == 0) {  // a vertex that was an anchor keeps its weight and depth
-      result.anchors.vertices.push_back(v);
-      result.anchors.weights.push_back(kept.weights[entry[original]]);
-      result.anchors.depths.push_back(kept.depths[entry[original]]);
+      result.anchors.add(v, kept.weights[entry[original]], kept.depths[entry[original]]);
     }
   }
   return result;
 }
 
 PoseSymmetry::PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane)
-    : rest_(region.size(), 3) {
+    : rest_(gather(mesh.vertices, region.mesh_vertex)) {
   constexpr double kSame = 1e-6;
   const Affine mirror = reflection(plane);
   mirror_ = mirror.linear();
   std::vector<int> all(region.size());
-  for (int i = 0; i < region.size(); ++i) {
-    rest_.row(i) = mesh.vertices.row(region.mesh_vertex[i]);
-    all[i] = i;
-  }
+  std::iota(all.begin(), all.end(), 0);
   const double limit = kSame * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm();
   const VertexTree tree(rest_, all);
   twin_.resize(region.size());

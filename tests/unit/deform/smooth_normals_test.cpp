@@ -126,26 +126,6 @@ TEST_P(KernelOn, SampledKernelIsNearTheExactOne) {
   EXPECT_LT((exact - sampled).rowwise().norm().maxCoeff(), 0.15 * r);
 }
 
-TEST(SmoothingKernel, SampledNormalsAreNearTheExactOnes) {
-  const TriangleMesh mesh = shapes::letter_field(96, 48);
-  const Region region = whole(mesh, 48 * 48 + 24);
-  Points normals, exact, sampled;
-  vertex_normals(mesh.vertices, mesh.faces, normals);
-  constexpr double kRadius = 0.5;
-  const SmoothingKernel fine(region, mesh.vertices, kRadius, 1, kNeverSampled);
-  const SmoothingKernel coarse(region, mesh.vertices, kRadius, 1, fine.entries() / 4);
-  EXPECT_TRUE(coarse.sampled());
-  EXPECT_LT(coarse.entries(), fine.entries() / 2) << "sampling has to pay";
-  fine.apply(normals, exact, scratch);
-  coarse.apply(normals, sampled, scratch);
-  exact.rowwise().normalize();
-  sampled.rowwise().normalize();
-  const double degrees = (exact - sampled).rowwise().norm().maxCoeff() * 180 / std::acos(-1.0);
-  const double raw = (exact - normals).rowwise().norm().maxCoeff() * 180 / std::acos(-1.0);
-  EXPECT_LT(degrees, 5);
-  EXPECT_GT(raw, 45) << "the letters' flanks have to be smoothed away for this to say anything";
-}
-
 TEST(AutomaticNormalRadius, FollowsTheSizeOfTheModel) {
   const TriangleMesh mesh = shapes::letter_field(40, 20);
   const double radius = automatic_normal_radius(whole(mesh, 410), mesh.vertices);
