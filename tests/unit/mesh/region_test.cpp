@@ -6,9 +6,9 @@
 #include <functional>
 #include <limits>
 #include <set>
+#include <tuple>
 #include <vector>
 
-#include "mesh/plain_region.h"
 #include "plain_distances.h"
 #include "shapes.h"
 #include "support.h"
@@ -115,10 +115,6 @@ TEST_P(RegionOn, RadiusTakesExactlyWhatIsWithinIt) {
   }
 }
 
-TEST_P(RegionOn, HasTheBitsOfAPlainImplementation) {
-  support::expect_plain_regions(GetParam().mesh(), GetParam().groups, {0.3, 0.8, 1}, {0, 0.1, 0.23, 0.5, 1});
-}
-
 TEST(Region, BorderOfTheMeshIsNoBoundary) {
   const TriangleMesh mesh = shapes::grid(9, 9);
   const Region region = build(mesh, within(100, 0), {{40}});
@@ -146,6 +142,20 @@ TEST(Region, AnchorDepthGrowsAcrossTheBand) {
     }
   }
   EXPECT_GT(checked, 20);
+}
+
+/// The band of a set is as wide as a part of the largest handle distance, measured from the boundary.
+TEST(Region, AnchorDepthOfAGivenSetGrowsTowardsItsBoundary) {
+  const TriangleMesh mesh = shapes::grid(31, 31);
+  const Region region = build(mesh, given(block(31, 3, 27, 3, 27), 0.3), {{15 * 31 + 15}});
+  const double width = 0.3 * region.max_distance;
+  for (int i = 0; i < region.size(); ++i) {
+    const int row = region.mesh_vertex[i] / 31, column = region.mesh_vertex[i] % 31;
+    const double depth = 1 - std::min({row - 3, 27 - row, column - 3, 27 - column}) / width;
+    EXPECT_NEAR(region.anchor_depth[i], depth > 0 ? depth : 0, 1e-12);
+    EXPECT_EQ(region.classes[i] == VertexClass::Anchor, depth > 0);
+    EXPECT_NEAR(region.anchor_weight[i], depth > 0 ? region.distance[i] / region.max_distance : 0, 1e-12);
+  }
 }
 
 TEST(Region, HandleOnTheBoundaryStaysAHandle) {
@@ -285,28 +295,34 @@ TEST(Region, CoordinatesThatAreNotNumbersMatterOnlyInOrNextToTheRegion) {
 }
 
 /// Large enough for several threads, each with several pieces.
-TEST(LargeRegion, HasTheBitsOfAPlainImplementation) {
+TEST(LargeRegion, ThreadsChangeNoBit) {
   const TriangleMesh letters = shapes::letter_field(190, 130);
-  const int count = static_cast<int>(letters.vertices.rows());
   const TriangleMesh sheets =
       shapes::together(shapes::degenerate_grid(150, 130), shapes::non_manifold_grid(60, 50), Vector3(500, 0, 0));
-  const std::vector<int> order = support::shuffled(static_cast<int>(sheets.vertices.rows()), 3);
-  const struct {
-    const char* what;
-    TriangleMesh mesh;
-    Groups groups;
-  } edits[] = {
-      {"a vertex", letters, {{12000}}},
-      {"groups far apart", letters, {{70, 71, 200}, {12000}, {20000, 20001, 24000}}},
-      {"in any order", support::renumbered(letters, support::shuffled(count, 8), 9), {{17}, {23000, 400}}},
-      {"edges without length, needles, isolated vertices", sheets, {{9000, 9001}, {60}}},
-      {"the same in any order", support::renumbered(sheets, order, 4), {{order[9000]}, {order[9001], order[60]}}},
-      {"handles on two pieces", sheets, {{9000}, {static_cast<int>(sheets.vertices.rows()) - 300}}},
-      {"ties", shapes::grid(150, 150), {{11000, 11001}, {11003}}},
+  const auto bits = [](const Region& r) {
+    return std::tuple(r.mesh_vertex, r.classes, r.group, r.component, r.anchored, r.distance, r.anchor_weight,
+                      r.anchor_depth, r.neighbours.offsets, r.neighbours.values, r.edge_faces, r.max_distance);
   };
-  for (const auto& edit : edits) {
-    SCOPED_TRACE(edit.what);
-    support::expect_plain_regions(edit.mesh, edit.groups, {0.01, 0.6, 1});
+  for (const auto& [mesh, groups] : {std::pair(letters, Groups{{70, 71, 200}, {12000}, {20000, 20001, 24000}}),
+                                     std::pair(sheets, Groups{{9000, 9001}, {60}}),
+                                     std::pair(shapes::grid(150, 150), Groups{{11000, 11001}, {11003}})}) {
+    std::vector<int> set;
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      if (v % 37 != 5) {  // with holes
+        set.push_back(v);
+      }
+    }
+    for (const auto& group : groups) {
+      set.insert(set.end(), group.begin(), group.end());
+    }
+    const double size = support::diameter(mesh.vertices);
+    for (const RegionSpec& spec : {within(0.1 * size), within(size), given(set), component()}) {
+      const Adjacency adjacency = support::adjacency_of(mesh);
+      const auto expected = bits(build_region(mesh, adjacency, spec, groups, 1));
+      for (const int threads : {2, 3}) {
+        EXPECT_TRUE(bits(build_region(mesh, adjacency, spec, groups, threads)) == expected) << threads;
+      }
+    }
   }
 }
 

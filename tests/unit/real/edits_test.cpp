@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "lapedit/edit/edit.h"
-#include "mesh/plain_region.h"
 #include "mesh_loader.h"
 #include "support.h"
 
@@ -118,18 +117,6 @@ TEST_P(RealEdit, FrameIsNearTheFullPose) {
   }
   const double rms = (frame - full).norm() / std::sqrt(static_cast<double>(full.rows())) / edit.way.norm();
   EXPECT_LT(rms, edit.frame_rms);
-}
-
-TEST(RealRegions, HaveTheBitsOfAPlainImplementation) {
-  const struct {
-    const char* file;
-    std::vector<std::vector<int>> groups;
-  } edits[] = {
-      {"mannequin.off", {{8624}, {100, 101}}}, {"bunny.ply", {{23637}}}, {"bumpy_plane.off", {{20200, 20201}}}};
-  for (const auto& edit : edits) {
-    SCOPED_TRACE(edit.file);
-    support::expect_plain_regions(real::load(edit.file), edit.groups, {0.7});
-  }
 }
 
 }  // namespace
