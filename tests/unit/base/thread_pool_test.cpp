@@ -104,29 +104,6 @@ TEST(ThreadPool, WakesUpAfterAPause) {
   }
 }
 
-/// Fails if what a piece wrote is not seen by the next job's pieces on other threads.
-TEST(ThreadPool, ResultsDoNotDependOnTheThreads) {
-  constexpr int kSize = 4096, kSteps = 100;
-  std::vector<std::vector<double>> results;
-  for (const int threads : {1, 2, 4}) {
-    ThreadPool pool(threads);
-    std::vector<double> x(kSize), next(kSize);
-    for (int i = 0; i < kSize; ++i) {
-      x[i] = i % 17;
-    }
-    for (int step = 0; step < kSteps; ++step) {
-      in_pieces(pool, kSize, 64, [&](int first, int last) {
-        for (int i = first; i < last; ++i) {
-          next[i] = 0.3 * x[(i + 1) % kSize] + 0.7 * x[(i + kSize / 2) % kSize];
-        }
-      });
-      x.swap(next);
-    }
-    results.push_back(x);
-    EXPECT_TRUE(results.back() == results.front()) << threads << " threads";
-  }
-}
-
 TEST(ThreadPool, NoPieceIsNoCall) {
   for (const int threads : {1, 3}) {
     ThreadPool pool(threads);
@@ -182,31 +159,6 @@ TEST(ThreadPool, ComesAndGoesQuickly) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
-}
-
-/// Fails if two crews in one program share anything.
-TEST(ThreadPool, CrewsWorkSideBySide) {
-  std::vector<int> sums(2, 0);
-  const auto work = [&sums](int crew) {
-    ThreadPool pool(2);
-    std::vector<int> seen(20, 0);
-    for (int job = 0; job < 500; ++job) {
-      pool.each(20, [&](int piece) {
-        if (piece % 4 == 0) {
-          std::this_thread::yield();
-        }
-        seen[piece] += piece;
-      });
-    }
-    for (const int count : seen) {
-      sums[crew] += count;
-    }
-  };
-  std::thread other(work, 1);
-  work(0);
-  other.join();
-  EXPECT_EQ(sums[0], 500 * 190);
-  EXPECT_EQ(sums[1], 500 * 190);
 }
 
 /// Fails if a piece is missing, too large, or cut otherwise for another number of threads.
@@ -427,18 +379,6 @@ TEST(ThreadPool, MakesDoWithTheThreadsThatItCanHave) {
   EXPECT_EQ(done, 10);
 }
 #endif
-
-TEST(ThreadPool, LackOfMemoryReachesTheCallerAsSuch) {
-  for (const int threads : {1, 3}) {
-    ThreadPool pool(threads);
-    const auto caller = std::this_thread::get_id();
-    EXPECT_THROW(pool.each(30,
-                           [&](int piece) {
-                             if (std::this_thread::get_id() != caller || piece == 29) throw std::bad_alloc();
-                           }),
-                 std::bad_alloc);
-  }
-}
 
 }  // namespace
 }  // namespace lapedit::thread_pool_test
