@@ -56,50 +56,6 @@ double any_double(std::mt19937_64& random) {
   }
 }
 
-TEST(EditScript, ReadsAllKeys) {
-  const Edit edit = read_edit(kExample);
-  EXPECT_EQ(edit.mesh_vertices, 11703);
-  EXPECT_EQ(edit.mesh_faces, 23402);
-  EXPECT_EQ(edit.connectivity, "0123456789abcdef");
-  ASSERT_EQ(edit.steps.size(), 3U);
-
-  const EditStep& step = edit.steps[0];
-  EXPECT_EQ(step.region.kind, RegionSpec::Kind::Radius);
-  EXPECT_EQ(step.region.radius, 1.2155);
-  EXPECT_EQ(step.region.padding, 0.1);
-  EXPECT_EQ(step.settings.laplacian, LaplacianKind::Cotangent);
-  EXPECT_EQ(step.settings.order, 2);
-  EXPECT_EQ(step.settings.method, EditMethod::Paper);
-  EXPECT_EQ(step.settings.normal_radius, 0.5);
-  EXPECT_EQ(step.settings.handle_weight, 2);
-  EXPECT_EQ(step.settings.anchor_weight, 4);
-  EXPECT_EQ(step.settings.rough, RoughDeformation::Falloff);
-  EXPECT_EQ(step.settings.membrane, 7.5);
-
-  ASSERT_EQ(step.handles.size(), 3U);
-  EXPECT_EQ(step.handles[0].vertices, std::vector<int>{8624});
-  EXPECT_EQ(step.handles[0].transform.translation, Vector3(0, -0.9, 0));
-  EXPECT_FALSE(step.handles[0].transform.matrix);
-  EXPECT_EQ(step.handles[1].vertices.size(), 30U);
-  EXPECT_EQ(step.handles[1].vertices.front(), 12);
-  EXPECT_EQ(step.handles[1].vertices[28], 40);
-  EXPECT_EQ(step.handles[1].vertices.back(), 77);
-  EXPECT_EQ(step.handles[1].transform.axis, Vector3(0, 0, 1));
-  EXPECT_EQ(step.handles[1].transform.degrees, 30);
-  ASSERT_TRUE(step.handles[1].transform.center);
-  EXPECT_EQ(*step.handles[1].transform.center, Vector3(0, 0, 0));
-  EXPECT_EQ(step.handles[1].transform.scale, 1.1);
-  ASSERT_TRUE(step.handles[2].transform.matrix);
-  EXPECT_TRUE(step.handles[2].transform.matrix->isIdentity(0));
-
-  EXPECT_EQ(edit.steps[1].region.kind, RegionSpec::Kind::Vertices);
-  EXPECT_EQ(edit.steps[1].region.vertices, (std::vector<int>{5, 3, 7, 8, 9}));
-  EXPECT_EQ(edit.steps[1].region.padding, 0.2);
-  EXPECT_EQ(edit.steps[1].settings, EditSettings::of(EditMethod::Linear));
-  EXPECT_EQ(edit.steps[2].region.kind, RegionSpec::Kind::Component);
-  EXPECT_EQ(edit.steps[2].settings.iterations, 3);
-}
-
 TEST(EditScript, ReadsMatrixByRows) {
   const auto matrix = read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"radius": 1}, "handles":
           [{"vertices": "1", "matrix": [1,2,3,4, 5,6,7,8, 9,10,11,12, 0,0,0,1]}]}]})")
