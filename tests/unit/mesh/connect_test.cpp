@@ -35,34 +35,6 @@ std::vector<std::pair<int, int>> links_of(const CompressedRows& before, const Co
   return links;
 }
 
-TEST(Connect, LinksNearestVerticesOfDifferentPiecesWithinTheGap) {
-  const TriangleMesh mesh = ball_in_ball();
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  const CompressedRows linked = linked_neighbours(mesh, adjacency.neighbours, 0.2);
-  const auto links = links_of(adjacency.neighbours, linked);
-  std::vector<int> count(mesh.vertices.rows(), 0);
-  for (const auto& [v, w] : links) {
-    EXPECT_NE(v < 642, w < 642) << "within a piece";
-    EXPECT_LE((mesh.vertices.row(v) - mesh.vertices.row(w)).norm(), 0.2);
-    const auto back = linked[w];
-    EXPECT_TRUE(std::binary_search(back.begin(), back.end(), v));
-    ++count[v];
-  }
-  for (int v = 642; v < mesh.vertices.rows(); ++v) {
-    EXPECT_GE(count[v], 1) << "each of the inner ball's has a vertex outside it";
-    EXPECT_LE(count[v], kMostLinks + 1) << "however many of the outer ball's are nearest to it";
-  }
-  for (int v = 0; v < linked.rows(); ++v) {
-    EXPECT_TRUE(std::is_sorted(linked[v].begin(), linked[v].end()));
-    for (const int w : adjacency.neighbours[v]) {
-      EXPECT_TRUE(std::binary_search(linked[v].begin(), linked[v].end(), w));
-    }
-  }
-  EXPECT_TRUE(links_of(adjacency.neighbours, linked_neighbours(mesh, adjacency.neighbours, 0.01)).empty());
-  std::vector<int> labels;
-  EXPECT_EQ(connected_components(linked, labels), 1);
-}
-
 /// A tube that was cut open, with `around` columns, and a gap at the seam.
 TriangleMesh cut_tube(int around) {
   TriangleMesh mesh = shapes::grid(20, around);

@@ -74,13 +74,6 @@ TEST_P(GeodesicOn, ListsReachedVerticesNearestFirstThenByNumber) {
   }
 }
 
-TEST(Geodesic, AddsUpEdgesOnAGrid) {
-  const std::vector<double> found = distances(shapes::grid(5, 5), {0});
-  EXPECT_EQ(found[4], 4);   // along a side
-  EXPECT_EQ(found[24], 8);  // across the diagonals, which run the other way
-  EXPECT_DOUBLE_EQ(distances(shapes::grid(5, 5), {4})[20], 4 * std::sqrt(2.0));  // along them
-}
-
 TEST(Geodesic, RepeatedSeedsAreListedOnce) {
   const TriangleMesh mesh = shapes::grid(3, 3);
   const Adjacency adjacency = support::adjacency_of(mesh);

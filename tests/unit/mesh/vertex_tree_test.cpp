@@ -99,20 +99,5 @@ TEST(NearestVertex, PointFarAwayOrNotANumberIsRefused) {
   EXPECT_NE(nearest_vertex(mesh, Vector3(5, 5, 0)), 60);
 }
 
-TEST(VertexFinder, FindsWhatComparingAllVerticesFinds) {
-  const TriangleMesh mesh = shapes::icosphere(2);
-  const VertexFinder finder(mesh);
-  for (int k = 0; k < 200; ++k) {
-    const Vector3 point = 1.5 * Vector3(std::sin(1.0 * k), std::sin(2.3 * k), std::cos(1.7 * k));
-    int nearest = 0;
-    for (int v = 1; v < mesh.vertices.rows(); ++v) {
-      const auto distance = [&](int w) { return (mesh.vertices.row(w).transpose() - point).squaredNorm(); };
-      nearest = distance(v) < distance(nearest) ? v : nearest;
-    }
-    EXPECT_EQ(finder.anywhere(point, "Point").vertex, nearest) << k;
-  }
-  EXPECT_GE(finder.anywhere(Vector3(1e200, 0, 0), "Point").vertex, 0);
-}
-
 }  // namespace
 }  // namespace lapedit::vertex_tree_test
