@@ -25,26 +25,6 @@ Eigen::MatrixXd dense(const DifferentialOperator& op) {
 
 constexpr LaplacianKind kKinds[] = {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue};
 
-/// Equilateral triangles of edge 1.
-TriangleMesh equilateral_grid(int rows, int columns) {
-  TriangleMesh mesh = shapes::grid(rows, columns);
-  for (auto p : mesh.vertices.rowwise()) {
-    p << p[0] + 0.5 * p[1], std::sqrt(0.75) * p[1], 0;
-  }
-  return mesh;
-}
-
-/// Vertices whose one-ring closes around them.
-std::vector<int> interior(int rows, int columns) {
-  std::vector<int> vertices;
-  for (int i = 1; i + 1 < rows; ++i) {
-    for (int j = 1; j + 1 < columns; ++j) {
-      vertices.push_back(columns * i + j);
-    }
-  }
-  return vertices;
-}
-
 class OperatorOn : public ::testing::TestWithParam<TriangleMesh (*)()> {};
 INSTANTIATE_TEST_SUITE_P(
     Shapes, OperatorOn,
@@ -134,19 +114,6 @@ TEST(DifferentialOperator, IsThatOfTheDenseReference) {
   }
 }
 
-TEST(DifferentialOperator, EqualsTheUmbrellaOnEquilateralTriangles) {
-  const TriangleMesh mesh = equilateral_grid(7, 6);
-  const Region region = whole(mesh);
-  const DifferentialOperator mean_value = differential_operator(LaplacianKind::MeanValue, region, mesh, true);
-  const Eigen::MatrixXd cotangent = dense(differential_operator(LaplacianKind::Cotangent, region, mesh));
-  const Eigen::MatrixXd umbrella = dense(differential_operator(LaplacianKind::Umbrella, region, {}));
-  for (const int j : interior(7, 6)) {
-    EXPECT_LT((dense(mean_value).row(j) - umbrella.row(j)).cwiseAbs().maxCoeff(), 1e-14) << "row " << j;
-    EXPECT_LT((cotangent.row(j) - umbrella.row(j)).cwiseAbs().maxCoeff(), 1e-14) << "row " << j;
-    EXPECT_NEAR(mean_value.divisor[j], 6 * 2 / std::sqrt(3.0), 1e-12) << "the unit that degenerate edges are given in";
-  }
-}
-
 /// In a rhombus without its short diagonal both angles opposite to the long one (0-1) are 120 degrees.
 TEST(DifferentialOperator, ObtusePairsCountAsZeroWithCotangentsOnly) {
   TriangleMesh mesh;
@@ -174,23 +141,6 @@ TEST(DifferentialOperator, CornersThatAreNoNumbersOutsideTheRegionAreIgnored) {
     const DifferentialOperator found = differential_operator(kind, region, mesh, kind == LaplacianKind::MeanValue);
     EXPECT_TRUE(dense(found).allFinite()) << name(kind);
     EXPECT_TRUE(found.divisor.allFinite()) << name(kind);
-  }
-}
-
-/// Four right angles at the middle, edges of length 1, 1, 2, 1. From the middle (2, 2, 1, 2); from the other ends,
-/// whose angles are 45 degrees, atan 2 and atan 1/2: (2 tan 22.5, tan 22.5 + 0.618, 2 * 0.236 / 2, tan 22.5 + 0.618).
-TEST(MeanValueOperator, HasTheValuesWorkedOutByHand) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(5, 3);
-  mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, -2, 0, 0, 0, -1, 0;
-  mesh.faces.resize(4, 3);
-  mesh.faces << 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1;
-  const Eigen::MatrixXd m = dense(differential_operator(LaplacianKind::MeanValue, whole(mesh), mesh, true));
-  const double eighth = std::sqrt(2.0) - 1, golden = (std::sqrt(5.0) - 1) / 2;
-  const double weights[] = {1 + eighth, 1 + (eighth + golden) / 2, golden, 1 + (eighth + golden) / 2};
-  const double sum = weights[0] + weights[1] + weights[2] + weights[3];
-  for (int k = 0; k < 4; ++k) {
-    EXPECT_NEAR(m(0, k + 1), -weights[k] / sum, 1e-13) << "neighbour " << k + 1;
   }
 }
 

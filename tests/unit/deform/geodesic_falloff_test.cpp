@@ -131,17 +131,6 @@ TEST(RoughDeformation, RotationsAreThoseOfTheFalloff) {
   EXPECT_GT(support::error(support::Prepared(scene.mesh, region, settings).pose(scene.maps), result), 1e-3);
 }
 
-/// A group of one vertex has a displacement and nothing to rotate.
-TEST(RoughDeformation, RotatingASingleVertexDoesNothing) {
-  const Scene scene;
-  support::Prepared solver(scene.mesh, scene.region, falloff_settings());
-  const Vector3 vertex = scene.mesh.vertices.row(3030).transpose();
-  const Points plain = solver.pose({support::shift(Vector3(0, 0, 5)), Affine::Identity()});
-  const Points turned =
-      solver.pose({support::rigid(80, Vector3::UnitX(), Vector3(0, 0, 5), vertex), Affine::Identity()});
-  EXPECT_LT(support::error(turned, plain), 1e-12);
-}
-
 TEST(RoughDeformation, HandleArrivesAnchorsHoldAndRigidMotionsOfAllAreThatOfTheRegion) {
   const Scene scene;
   const Affine map = support::rigid(60, Vector3(1, 2, 3), Vector3(3, -1, 2));
@@ -156,60 +145,6 @@ TEST(RoughDeformation, HandleArrivesAnchorsHoldAndRigidMotionsOfAllAreThatOfTheR
     EXPECT_TRUE(support::same_bits(solver.pose({Affine::Identity(), Affine::Identity()}), scene.rest())) << order;
     EXPECT_LT(support::error(solver.pose({map, map}, map), support::moved(map, scene.rest())), 1e-9) << order;
   }
-}
-
-/// What falls off is the displacement from the rigidly moved pose: anchors that move take the whole edit along.
-TEST(RoughDeformation, GoesAlongWithTheAnchors) {
-  const Scene scene;
-  const Affine move = support::shift(Vector3(3, -1, 2));  // a rotation decides ties between edges differently
-  support::Prepared solver(scene.mesh, scene.region, falloff_settings());
-  const Points still = solver.pose(scene.maps);
-  const Points along = solver.pose({move * scene.maps[0].map, move * scene.maps[1].map}, move);
-  EXPECT_LT(support::error(along, support::moved(move, still)), 1e-9);
-}
-
-/// A limb whose end is a handle.
-struct Limb {
-  TriangleMesh mesh = shapes::tapered_arm(24, 80);
-  Region region;
-
-  Limb() {
-    std::vector<int> cap;
-    for (int v = 0; v < mesh.vertices.rows(); ++v) {
-      if (mesh.vertices(v, 0) > 9.2) {
-        cap.push_back(v);
-      }
-    }
-    region = support::region_of(mesh, support::within(8), {cap});
-  }
-  /// The limb's axis, 8.2 long from x = 1.4, bent into an arc.
-  static Maps bent(double degrees) {
-    const double angle = degrees * std::acos(-1.0) / 180, arc = 8.2 / angle;
-    const Vector3 center(9.6, 0, 0), to(1.4 + arc * std::sin(angle), 0, arc * (1 - std::cos(angle)));
-    return {support::rigid(-degrees, Vector3::UnitY(), to - center, center)};
-  }
-};
-
-/// What is linear in the rotation itself fails there.
-TEST(RoughDeformation, LargeRotationsOfALimbFlipNothing) {
-  const Limb limb;
-  EditReport reports[2];
-  for (const RoughDeformation rough : {RoughDeformation::Unrotated, RoughDeformation::Falloff}) {
-    EditSettings settings = EditSettings::of(EditMethod::Paper);
-    settings.rough = rough;
-    support::Prepared solver(limb.mesh, limb.region, settings);
-    solver.pose(Limb::bent(170));
-    const EditReport& report = reports[static_cast<int>(rough)] = solver.report();
-    std::printf("limb bent by 170 degrees, %s: RMS edge stretch %.1f %%, largest %.0f %%, %d flipped\n", name(rough),
-                100 * report.stretch_rms, 100 * report.stretch_max, report.flipped);
-  }
-  EXPECT_EQ(reports[1].flipped, 0);
-  EXPECT_GT(reports[0].flipped, 100);
-  EXPECT_LT(reports[1].stretch_rms, reports[0].stretch_rms);
-  support::Prepared by_default(limb.mesh, limb.region, {});
-  by_default.pose(Limb::bent(170));
-  EXPECT_EQ(by_default.report().flipped, 0);
-  EXPECT_LT(by_default.report().stretch_rms, 0.18);
 }
 
 }  // namespace

@@ -43,11 +43,6 @@ Matrix3 random_matrix(unsigned seed) {
   return Matrix3::NullaryExpr([&] { return number(random); });
 }
 
-TEST(HandleTransform, NothingGivenIsExactlyTheIdentity) {
-  EXPECT_EQ(resolve(HandleTransform(), kCentroid).map.matrix(), Affine::Identity().matrix());
-  EXPECT_FALSE(resolve(HandleTransform(), kCentroid).rotation);
-}
-
 TEST(HandleTransform, TargetOfAMatrixIsThatMatrixBitForBit) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const HandleTransform transform = affine(random_matrix(seed), {0.1, 1e9, -1e-9});
@@ -76,11 +71,6 @@ TEST(HandleTransform, RotatesAndScalesAboutTheCenterThenTranslates) {
   EXPECT_LT((resolve(transform, kCentroid).map * point - expected(kCentroid)).norm(), kRounding);
   transform.center = Vector3(10, 0, -3);
   EXPECT_LT((resolve(transform, kCentroid).map * point - expected({10, 0, -3})).norm(), 4 * kRounding);
-}
-
-TEST(HandleTransform, RotationIsRightHanded) {
-  EXPECT_LT((resolve(rotation(90, {0, 0, 2}), Vector3::Zero()).map * Vector3(1, 0, 0) - Vector3(0, 1, 0)).norm(),
-            kRounding);
 }
 
 TEST(HandleTransform, LengthOfTheAxisDoesNotMatter) {

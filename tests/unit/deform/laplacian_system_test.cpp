@@ -42,19 +42,6 @@ System prepared(const TriangleMesh& mesh, const Region& region, const EditSettin
 
 const EditSettings kSettings[] = {EditSettings(), EditSettings::of(EditMethod::Paper)};
 
-TEST(LaplacianSystem, NextHandleSharesOperatorAndFactorByPointer) {
-  const Scene scene;
-  for (const EditSettings& settings : kSettings) {
-    const System first = prepared(scene.mesh, scene.first, settings);
-    const System second = prepared(scene.mesh, scene.second, settings, first.get());
-    EXPECT_EQ(second->powers.m, first->powers.m);
-    EXPECT_EQ(second->powers.first, second->powers.m) << "of order 1";
-    EXPECT_EQ(second->matrix, first->matrix);
-    EXPECT_EQ(first->kernel != nullptr, settings.method == EditMethod::Paper);
-    EXPECT_NE(second->correction, first->correction) << "that of another handle";
-  }
-}
-
 /// Each component is shared if all that it is made from is the same.
 TEST(LaplacianSystem, OnlyWhatFitsIsShared) {
   const Scene scene;

@@ -102,19 +102,6 @@ TEST_P(KernelOn, IsThePapersPolynomialOfTheDistance) {
   }
 }
 
-TEST_P(KernelOn, KeepsAConstant) {
-  const TriangleMesh mesh = GetParam()();
-  const Region region = whole(mesh);
-  const Points constant = Vector3(1, -2, 1e3).transpose().replicate(region.size(), 1);
-  for (const std::size_t limit : {kNeverSampled, std::size_t(1)}) {
-    const SmoothingKernel kernel(region, mesh.vertices, 4 * mean_edge(mesh), 1, limit);
-    EXPECT_EQ(kernel.sampled(), limit == 1);
-    Points out;
-    kernel.apply(constant, out, scratch);
-    EXPECT_LT((out - constant).cwiseAbs().maxCoeff(), 1e-11);
-  }
-}
-
 TEST_P(KernelOn, SampledKernelIsNearTheExactOne) {
   const TriangleMesh mesh = GetParam()();
   const Region region = whole(mesh);
