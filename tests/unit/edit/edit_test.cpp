@@ -101,29 +101,6 @@ TEST(Edit, ResultTooLargeForFloatIsRefused) {
   EXPECT_NO_THROW(apply_edit(mesh, edit, 1, StoredScalar::Double));
 }
 
-TEST(Edit, CoordinatesNearTheLargestFloatAreEdited) {
-  const TriangleMesh mesh = test_mesh();
-  const Points expected = applied(mesh, edit_of({pull({kMiddle}, {0, 0, 3})}), 1, StoredScalar::Float);
-  for (const int power : {-60, 60, 120}) {
-    const double scale = std::ldexp(1.0, power);
-    TriangleMesh scaled = mesh;
-    scaled.vertices *= scale;
-    const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3 * scale}, 8 * scale)});
-    const Points result = applied(scaled, edit, 1, StoredScalar::Float) / scale;
-    EXPECT_LT((result - expected).cwiseAbs().maxCoeff(), power == 120 ? 0.01 : 1e-15) << power;
-  }
-}
-
-TEST(Edit, FractionScalesTransforms) {
-  const TriangleMesh mesh = test_mesh();
-  EditStep step = pull({kMiddle - 1, kMiddle, kMiddle + 1}, {0, 0, 4});
-  step.handles[0].transform.degrees = 120;
-  EditStep quarter = pull({kMiddle - 1, kMiddle, kMiddle + 1}, {0, 0, 1});
-  quarter.handles[0].transform.degrees = 30;
-  const Points found = applied(mesh, edit_of({step}), 0.25);
-  EXPECT_LT((found - applied(mesh, edit_of({quarter}))).cwiseAbs().maxCoeff(), 1e-12);
-}
-
 const std::vector<double> kFractions = {0.25, 1, 0, 0.5};
 
 /// Several steps, with regions that meet.
@@ -200,18 +177,6 @@ TEST(Edit, SizesOutsideTheRangeOfFourthPowersAreRefused) {
                            "Handle group 0 is to move by 1e+77");
 }
 
-TEST(Edit, SeveralFractionsOfOneStepShareOneFactorisation) {
-  const TriangleMesh mesh = test_mesh();
-  const std::vector<EditResult> poses =
-      apply_edit(mesh, support::adjacency_of(mesh), edit_of({pull({kMiddle}, {0, 0, 3})}), {}, kFractions);
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    const EditReport& report = poses[p].reports.at(0);
-    EXPECT_EQ(report.factor_ms > 0, p == 0);
-    EXPECT_EQ(report.operator_ms > 0, p == 0);
-    EXPECT_EQ(report.solve_ms > 0, kFractions[p] > 0);
-  }
-}
-
 TEST(Edit, RefusalsOfSeveralFractionsNameTheFraction) {
   const TriangleMesh mesh = test_mesh();
   const EditStep good = pull({kMiddle}, {0, 0, 3}), bad = pull({kMiddle}, {0, 0, 1e39});
@@ -255,20 +220,6 @@ TEST(Edit, OtherMeshIsRefusedWithBothNumbers) {
   expect_refused(connectivity, connectivity.connectivity, connectivity_checksum(600, mesh.faces));
 }
 
-TEST(Edit, VertexOutsideTheMeshIsRefusedWithBothNumbers) {
-  const TriangleMesh mesh = test_mesh();
-  for (const int bad : {600, 11703, -1}) {
-    EditStep of_region = pull({kMiddle}, {0, 0, 3});
-    of_region.region.kind = RegionSpec::Kind::Vertices;
-    of_region.region.vertices = {kMiddle, kMiddle + 1, bad};
-    for (const EditStep& step : {pull({kMiddle, bad}, {0, 0, 3}), of_region}) {
-      const std::string sentence = refusal(ErrorCause::BadIndex, mesh, edit_of({step}));
-      expect_contains(sentence, std::to_string(bad));
-      expect_contains(sentence, "600");
-    }
-  }
-}
-
 TEST(Edit, ErrorsNameTheStepWhenThereAreSeveral) {
   const TriangleMesh mesh = test_mesh();
   const EditStep good = pull({kMiddle}, {0, 0, 3});
@@ -304,27 +255,6 @@ TEST(EditTargets, UnusableOnesAreRefusedWithGroupAndNumbers) {
   group.targets.back() = group.targets[1];
   expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of({step})),
                   "Handle group 1 has vertex " + std::to_string(group.vertices.front()) + " twice");
-}
-
-TEST(Edit, ProgressRisesOverAllStepsAndFractions) {
-  const TriangleMesh mesh = test_mesh();
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  const Edit edit = edit_of({pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3}, {1, 0, 0})});
-  for (const std::vector<double>& fractions : {std::vector<double>{1}, kFractions}) {
-    const auto apply = [&](const Progress& progress) {
-      apply_edit(mesh, adjacency, edit, {}, fractions, StoredScalar::Double, progress, {1});
-    };
-    std::vector<double> seen;
-    apply([&](double fraction, const char* stage) {
-      EXPECT_NE(std::string(stage), "");
-      seen.push_back(fraction);
-      return true;
-    });
-    ASSERT_GT(seen.size(), 4U);
-    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
-    EXPECT_GE(seen.front(), 0);
-    EXPECT_EQ(seen.back(), 1);
-  }
 }
 
 /// Counts the calls of an edit's stages on a grid of n x n, in one thread.

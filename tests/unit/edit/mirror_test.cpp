@@ -204,20 +204,5 @@ TEST(Mirror, KeptAnchorsAreMirroredWithTheirWeights) {
   }
 }
 
-TEST(Mirror, WhatHasNoImageIsRefused) {
-  const TriangleMesh mesh = shapes::icosphere(3);
-  EditStep step = one_sided(mesh);
-  step.mirror->point = Vector3(2, 0, 0);
-  const std::string sentence =
-      support::expect_refusal(ErrorCause::BadParameter, [&] { support::apply_step(mesh, step); });
-  const std::size_t count = step.handles[0].vertices.size();
-  EXPECT_EQ(sentence.find(std::to_string(count) + " of " + std::to_string(count) + " handle vertices"), 0U) << sentence;
-  EXPECT_NE(sentence.find("vertex " + std::to_string(step.handles[0].vertices[0])), std::string::npos) << sentence;
-  step.mirror = MirrorPlane{{0, 0, 0}, {0, 0, 0}};
-  support::expect_refusal(ErrorCause::BadParameter, [&] { support::apply_step(mesh, step); });
-  step.mirror = MirrorPlane{{0, 0, std::nan("")}, {0, 0, 1}};
-  support::expect_refusal(ErrorCause::NotFinite, [&] { support::apply_step(mesh, step); });
-}
-
 }  // namespace
 }  // namespace lapedit::mirror_test

@@ -123,28 +123,6 @@ TEST(VertexQuery, PointsAreOnTheMeshBeforeTheFirstStep) {
   EXPECT_EQ(apply_edit(mesh, edit).positions, apply_edit(mesh, by_number).positions);
 }
 
-TEST(VertexQuery, LandmarksAreReportedByName) {
-  const TriangleMesh mesh = ball(3);
-  HandleGroup group =
-      points_of({position(mesh, 40), position(mesh, 7)}, {1.3 * position(mesh, 40), 1.2 * position(mesh, 7)});
-  group.names = {"nose", "chin"};
-  group.weights = {1, 0.001};
-  const Edit edit = edit_of(group, 2);
-  const EditResult result = apply_edit(mesh, edit);
-  const std::vector<LandmarkResidual>& landmarks = result.reports[0].landmarks;
-  ASSERT_EQ(landmarks.size(), 2U);
-  for (const LandmarkResidual& landmark : landmarks) {
-    const int given = landmark.name == "nose" ? 0 : 1;
-    EXPECT_EQ(landmark.vertex, given == 0 ? 40 : 7);
-    const Vector3 now = result.positions.row(index_in(result.vertices, landmark.vertex)).transpose();
-    EXPECT_DOUBLE_EQ(landmark.residual, (now - group.targets[static_cast<std::size_t>(given)]).norm());
-    EXPECT_EQ(landmark.residual > 0.05, given == 1) << "the low weight approximates";
-  }
-  expect_contains(result.reports[0].text(), "Landmarks: 2, distance to their targets: RMS ");
-  expect_contains(result.reports[0].text(), "at \"chin\" (vertex 7)");
-  EXPECT_TRUE(apply_edit(mesh, edit, 0.5).reports[0].landmarks.empty());
-}
-
 /// A ball whose vertices are none of another one's.
 TriangleMesh turned_ball(int levels) {
   return support::moved(support::rigid(33, Vector3(1, 2, 3), Vector3::Zero()), ball(levels));
@@ -182,17 +160,6 @@ Edit saved_edit(const TriangleMesh& mesh) {
   third.handles[0].targets = {{1.3, 0, 0}, {1.1, 0.5, 0}};
   edit.steps = {first, second, third};
   return with_positions(mesh, adjacency, edit);
-}
-
-TEST(VertexQuery, ASavedEditIsAppliedToTheSameBitsByVertices) {
-  const TriangleMesh mesh = ball(4);
-  Edit edit = saved_edit(mesh);
-  ASSERT_GT(edit.positions.vertices.size(), 500U);
-  const EditResult by_vertices = apply_edit(mesh, edit);
-  edit.positions = {};
-  const EditResult without_places = apply_edit(mesh, edit);
-  EXPECT_EQ(by_vertices.vertices, without_places.vertices);
-  EXPECT_EQ(by_vertices.positions, without_places.positions);
 }
 
 TEST(VertexQuery, AnotherMeshIsRefusedUntilTheEditIsByPosition) {
