@@ -34,11 +34,11 @@ bool rotates_or_scales(const HandleTransform& transform) {
 
 }  // namespace
 
-MirroredHandles::MirroredHandles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups,
+MirroredHandles::MirroredHandles(const MirrorImages& images, const std::vector<std::vector<int>>& groups,
                                  const MirrorPlane& plane, const std::vector<std::vector<double>>& weights)
     : mirror_(reflection(plane)), groups_(groups), weights_(weights), symmetric_(groups.size(), 0) {
   normal_ = plane.normal.stableNormalized();
-  const MirrorImages images(mesh, plane);
+  const TriangleMesh& mesh = images.mesh();
   weights_.resize(groups.size());
   std::vector<char> taken(mesh.vertices.rows(), 0);
   std::vector<int> missing;
@@ -202,13 +202,14 @@ EditStep mirrored(const TriangleMesh& mesh, const EditStep& step) {
     targets.push_back(result.handles[g].targets);
   }
   check_handles(result);  // checked now, since mirroring gives rotations and scales a center
-  const MirroredHandles handles(mesh, groups_of(result), *step.mirror, weights_of(result));
+  const MirrorImages images(mesh, *step.mirror);
+  const MirroredHandles handles(images, groups_of(result), *step.mirror, weights_of(result));
   result.handles.clear();
   for (std::size_t g = 0; g < handles.groups().size(); ++g) {
     result.handles.push_back({handles.groups()[g], handles.transform(g, transforms), handles.weights()[g]});
     handles.targets(g, targets, result.handles.back().targets);
   }
-  result.region = mirrored(mesh, step.region, *step.mirror);
+  result.region = mirrored(images, step.region);
   result.mirror.reset();
   return result;
 }

@@ -24,7 +24,11 @@ class MirroredHandles {
   /// @throws EditError (NoHandle, BadIndex; BadParameter if a vertex has no vertex near its mirrored position)
   /// Cost: O(vertices log vertices), once.
   MirroredHandles(const TriangleMesh& mesh, const std::vector<std::vector<int>>& groups, const MirrorPlane& plane,
-                  const std::vector<std::vector<double>>& weights = {});
+                  const std::vector<std::vector<double>>& weights = {})
+      : MirroredHandles(MirrorImages(mesh, plane), groups, plane, weights) {}
+  /// @param images  of the mesh across the plane
+  MirroredHandles(const MirrorImages& images, const std::vector<std::vector<int>>& groups, const MirrorPlane& plane,
+                  const std::vector<std::vector<double>>& weights);
 
   /// Returns the given groups in their order, followed by the images.
   const std::vector<std::vector<int>>& groups() const { return groups_; }

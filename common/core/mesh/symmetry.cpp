@@ -266,20 +266,16 @@ std::vector<int> MirrorImages::joined(std::vector<int> set, const char* what) co
   return sorted_set(std::move(set));
 }
 
-RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane) {
+RegionSpec mirrored(const MirrorImages& images, const RegionSpec& region) {
   const bool is_set = region.kind == RegionSpec::Kind::Vertices;
   RegionSpec result = region;
-  if (!is_set && region.held.empty()) {
-    return result;
-  }
-  const MirrorImages images(mesh, plane);
   result.held = images.joined(region.held, "Held vertex");
   if (!is_set) {
     return result;
   }
   result.vertices = images.joined(region.vertices, "Region vertex");
   const KeptAnchors& kept = region.anchors;
-  check_anchors(kept, static_cast<int>(mesh.vertices.rows()));
+  check_anchors(kept, static_cast<int>(images.mesh().vertices.rows()));
   std::map<int, std::size_t> entry;  // indices of the kept anchors
   for (std::size_t k = 0; k < kept.vertices.size(); ++k) {
     entry.emplace(kept.vertices[k], k);

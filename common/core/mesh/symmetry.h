@@ -40,6 +40,7 @@ class MirrorImages {
  public:
   /// @param mesh  must outlive the object. Cost: O(vertices log vertices + faces). @throws EditError as reflection()
   MirrorImages(const TriangleMesh& mesh, const MirrorPlane& plane);
+  const TriangleMesh& mesh() const { return mesh_; }
 
   /// Returns the image of a vertex; -1: no vertex is nearer to its mirrored position than four mean edges or 2 % of the
   /// bounding box's diagonal.
@@ -64,7 +65,11 @@ class MirrorImages {
 
 /// Returns the region with its mirror image: vertex sets and kept anchors include their images, where these exist; a
 /// radius and components follow from the handles. @throws EditError (BadIndex, BadParameter)
-RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane);
+RegionSpec mirrored(const MirrorImages& images, const RegionSpec& region);
+inline RegionSpec mirrored(const TriangleMesh& mesh, const RegionSpec& region, const MirrorPlane& plane) {
+  const bool has_vertices = region.kind == RegionSpec::Kind::Vertices || !region.held.empty();
+  return has_vertices ? mirrored(MirrorImages(mesh, plane), region) : region;
+}
 
 /// Averages poses of a symmetric region with their mirror images, so that they are symmetric to the last bits; cells
 /// and factorisations are not symmetric.
