@@ -173,15 +173,11 @@ struct FaceNumbers {
 };
 
 void read(const JsonValue& value, FaceNumbers& numbers) {
-  Source& source = *value.source;
-  const Source of_mesh = source;
-  source.end = std::int64_t{1} << 31;
-  source.most = kMostListedVertices;
-  source.by_position = false;
-  read(value, numbers.faces);
-  source.end = of_mesh.end;
-  source.most = of_mesh.most;
-  source.by_position = of_mesh.by_position;
+  Source unlimited = {value.source->folder, nullptr, nullptr};
+  unlimited.listed = value.source->listed;
+  unlimited.later = value.source->later;
+  read(JsonValue{value.json, value.where, &unlimited}, numbers.faces);
+  value.source->listed = unlimited.listed;
 }
 
 // The entries of a list, for messages.
