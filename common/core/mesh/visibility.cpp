@@ -33,71 +33,57 @@ BoxTree finite_faces(const TriangleMesh& mesh) {
       boxes[f] = {box.min() - margin, box.max() + margin};
     }
   }
-  return {std::move(faces), kLeaf, [&boxes](int f) -> const auto& {return boxes[f];
+  const auto box_of = [&boxes](int f) -> const Eigen::AlignedBox3d& { return boxes[f]; };
+  return BoxTree(std::move(faces), kLeaf, box_of, [](int) { return 0; });
 }
-, [](int) { return 0; }
-};  // namespace
-}  // namespace lapedit
 
 }  // namespace
 
-struct Visibility::Impl {
-  explicit Impl(const TriangleMesh& the_mesh) : mesh(the_mesh), faces(finite_faces(the_mesh)) {
-    if (faces.items().size() > 1) {
-      constexpr double kSamePosition = 1e-7;
-      same_position = kSamePosition * faces.nodes().front().box.diagonal().norm();
-    }
+Visibility::Visibility(const TriangleMesh& mesh) : mesh_(mesh), faces_(finite_faces(mesh)) {
+  if (faces_.items().size() > 1) {
+    constexpr double kSamePosition = 1e-7;
+    same_position_ = kSamePosition * faces_.nodes().front().box.diagonal().norm();
   }
-
-  const TriangleMesh& mesh;
-  BoxTree faces;
-  double same_position = 0;  // vertices nearer than this are at the same position: a seam of duplicate vertices
-};
-
-Visibility::Visibility(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
-Visibility::~Visibility() = default;
+}
 
 bool Visibility::shows_side(const Camera& view, const Adjacency& adjacency, int vertex, int side) const {
-  const TriangleMesh& mesh = impl_->mesh;
-  const Vector3 position = mesh.vertices.row(vertex).transpose();
+  const Vector3 position = mesh_.vertices.row(vertex).transpose();
   const Ray through = view.ray(view.pixel(position));
   const CompressedRows::Row around = adjacency.faces[vertex];
   // The comparisons make points behind the viewer and NaN invisible.
   return (position - through.origin).dot(through.direction) >= 0 &&
          std::any_of(around.begin(), around.end(),
-                     [&](int f) { return side * area_normal(mesh, f).dot(through.direction) < 0; });
+                     [&](int f) { return side * area_normal(mesh_, f).dot(through.direction) < 0; });
 }
 
 bool Visibility::sees(const Camera& view, const Adjacency& adjacency, int vertex, int side) const {
   if (!shows_side(view, adjacency, vertex, side)) {
     return false;
   }
-  const TriangleMesh& mesh = impl_->mesh;
-  const Vector3 position = mesh.vertices.row(vertex).transpose();
+  const Vector3 position = mesh_.vertices.row(vertex).transpose();
   // Ends at the near plane, which clips everything before it: the viewer may be inside the mesh.
   const Ray through = view.ray(view.pixel(position));
   const double reach = (position - through.origin).dot(through.direction);
   const Ray back{position, -through.direction};
-  return !impl_->faces.along(back, reach, [&](int face) {
-    const double t = distance_along(mesh, back, face);
-    return t > impl_->same_position && t < reach && !(mesh.faces.row(face).array() == vertex).any();
+  return !faces_.along(back, reach, [&](int face) {
+    const double t = distance_along(mesh_, back, face);
+    return t > same_position_ && t < reach && !(mesh_.faces.row(face).array() == vertex).any();
   });
 }
 
 std::optional<SurfaceHit> Visibility::first_hit(const Ray& ray, double limit, int except) const {
-  const TriangleMesh& mesh = impl_->mesh;
   double distance = limit;
   int found = -1;
-  impl_->faces.along(ray, distance, [&](int face) {
-    const double t = distance_along(mesh, ray, face);
+  faces_.along(ray, distance, [&](int face) {
+    const double t = distance_along(mesh_, ray, face);
     const bool is_nearer = t < distance || (t == distance && found >= 0 && face < found);
-    if (is_nearer && !(mesh.faces.row(face).array() == except).any()) {
+    if (is_nearer && !(mesh_.faces.row(face).array() == except).any()) {
       distance = t;
       found = face;
     }
     return false;
   });
-  return found >= 0 ? std::optional(hit_of(mesh, ray, found, distance)) : std::nullopt;
+  return found >= 0 ? std::optional(hit_of(mesh_, ray, found, distance)) : std::nullopt;
 }
 
 std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adjacency, const Visibility& visibility,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include "lapedit/mesh/camera.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/triangle_mesh.h"
+#include "lapedit/mesh/vertex_tree.h"
 
 namespace lapedit {
 
@@ -35,7 +35,6 @@ class Visibility {
  public:
   /// Builds a tree of boxes over the faces. O(faces log faces). The mesh must outlive the object and must not change.
   explicit Visibility(const TriangleMesh& mesh);
-  ~Visibility();
 
   /// Returns whether one of a vertex's faces shows the viewer a side, if nothing is before it. O(its faces).
   bool shows_side(const Camera& view, const Adjacency& adjacency, int vertex, int side) const;
@@ -52,8 +51,9 @@ class Visibility {
   std::optional<SurfaceHit> first_hit(const Ray& ray, double limit = kUnreached, int except = -1) const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  const TriangleMesh& mesh_;
+  BoxTree faces_;             // those with finite corners
+  double same_position_ = 0;  // vertices nearer than this are at the same position: a seam of duplicate vertices
 };
 
 /// Returns the vertices that a brush paints on its way between two pixels: those within its radius of the line between
