@@ -34,6 +34,11 @@ void normalise(Points& smoothed, const Points& raw) {
   }
 }
 
+/// Returns the cosine between a vector and the direction n or -n; NaN for zero.
+double cosine_to(const Vector3& n, const Vector3& vector) {
+  return std::abs(vector.dot(n)) / vector.norm();
+}
+
 Matrix3 frame(const Vector3& n, const Vector3& u) {
   Matrix3 result;
   result << n, u, n.cross(u);
@@ -50,8 +55,7 @@ void FrameRotations::smooth(const Points& pose, Points& normals) {
 
 double FrameRotations::tie(int i, int j, const Vector3& n0, double least) const {
   constexpr double kTie = 1e-5;  // difference of cosines
-  const Vector3 edge = (before_.row(j) - before_.row(i)).transpose();
-  const double weight = 1 - (std::abs(edge.dot(n0)) / edge.norm() - least) / kTie;
+  const double weight = 1 - (cosine_to(n0, (before_.row(j) - before_.row(i)).transpose()) - least) / kTie;
   return weight > 0 ? weight : 0;  // 0 for an edge without length
 }
 
@@ -71,19 +75,18 @@ Matrix3 FrameRotations::blended_ties(int i, const Vector3& n0, const Vector3& n1
   constexpr double kAfter = 0.01;  // difference of cosines
   constexpr double kCancelled = 1e-9;
   const auto after = [&](int j) -> Vector3 { return (after_.row(j) - after_.row(i)).transpose(); };
-  const auto cosine_after = [&](int j) { return std::abs(after(j).dot(n1)) / after(j).norm(); };
   double least_after = 2;
   int ties = 0;
   for (const int j : region_.neighbours[i]) {
     if (tie(i, j, n0, least) > 0) {
       ++ties;
-      const double cosine = cosine_after(j);
+      const double cosine = cosine_to(n1, after(j));
       least_after = cosine < least_after ? cosine : least_after;
     }
   }
   double along = 0, across = 0;
   for (const int j : region_.neighbours[i]) {
-    const double weight = ties < 2 ? 0 : tie(i, j, n0, least) * (1 - (cosine_after(j) - least_after) / kAfter);
+    const double weight = ties < 2 ? 0 : tie(i, j, n0, least) * (1 - (cosine_to(n1, after(j)) - least_after) / kAfter);
     if (weight > 0) {
       const Vector3 e0 = (before_.row(j) - before_.row(i)).transpose(), e1 = after(j);
       const Vector3 u0 = rotation * unit_or_zero(e0 - e0.dot(n0) * n0, e0.norm());
@@ -126,8 +129,7 @@ void FrameRotations::estimate(const Points& before, const Points& displacement, 
     int best = -1;
     double least = 2;
     for (const int j : region_.neighbours[i]) {
-      const Vector3 edge = (before_.row(j) - before_.row(i)).transpose();
-      const double cosine = std::abs(edge.dot(n0)) / edge.norm();
+      const double cosine = cosine_to(n0, (before_.row(j) - before_.row(i)).transpose());
       if (cosine < least) {  // false for an edge without length
         least = cosine;
         best = j;

@@ -7,8 +7,9 @@
 #include <cstdint>
 #include <utility>
 
-#include "lapedit/base/polar_decomposition.h"
 #include "lapedit/base/progress.h"
+#include "lapedit/base/similarity.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
@@ -239,38 +240,17 @@ ComponentVolume enclosed_volume(const Region& region, const Points& positions) {
 
 bool moved_rigidly(const Region& region, const Points& before, const Points& after, double rounding) {
   constexpr double kRigid = 3e-4;
-  struct Fit {
-    double count = 0, extent = 0;
-    Vector3 from = Vector3::Zero(), to = Vector3::Zero();
-    Matrix3 rotation = Matrix3::Zero();
-  };
-  std::vector<Fit> fits(region.anchored.size());
-  Checkpoints checkpoints;
+  std::vector<std::vector<int>> components(region.anchored.size());
   for (int i = 0; i < region.size(); ++i) {
-    checkpoints();
-    Fit& fit = fits[region.component[i]];
-    fit.count += 1;
-    fit.from += (before.row(i).transpose() - fit.from) / fit.count;
-    fit.to += (after.row(i).transpose() - fit.to) / fit.count;
+    components[region.component[i]].push_back(i);
   }
-  for (int i = 0; i < region.size(); ++i) {
-    Fit& fit = fits[region.component[i]];
-    const Vector3 from = before.row(i).transpose() - fit.from;
-    fit.rotation += (after.row(i).transpose() - fit.to) * from.transpose();
-    fit.extent = std::max(fit.extent, from.norm());
-  }
-  for (Fit& fit : fits) {
-    fit.rotation = nearest_rotation(fit.rotation);
-  }
-  for (int i = 0; i < region.size(); ++i) {
-    checkpoints();
-    const Fit& fit = fits[region.component[i]];
-    const Vector3 from = before.row(i).transpose() - fit.from, to = after.row(i).transpose() - fit.to;
-    if (!((to - fit.rotation * from).norm() <= kRigid * fit.extent + rounding)) {
-      return false;
-    }
-  }
-  return true;
+  return std::all_of(components.begin(), components.end(), [&](const std::vector<int>& component) {
+    const Points from = gather(before, component), to = gather(after, component);
+    const Points expected = best_similarity(from, to, 1).all(from);
+    checkpoint(static_cast<int>(component.size()));
+    const double extent = largest_row(from.rowwise() - from.colwise().mean().eval());
+    return largest_row(expected - to) <= kRigid * extent + rounding;
+  });
 }
 
 bool measure(const std::array<Vector3, 3>& corners, FaceShape& shape) {
@@ -306,19 +286,17 @@ VertexStretch::VertexStretch(const Region& region, const Points& rest)
 }
 
 const std::vector<float>& VertexStretch::of(const Points& pose) {
-  in_pieces(pool_, static_cast<int>(stretch_.size()), kVerticesPerPiece, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      float most = 0;
-      for (int e = edges_.offsets[i]; e < edges_.offsets[i + 1]; ++e) {
-        const auto length = static_cast<float>((pose.row(i) - pose.row(edges_.values[e])).norm());
-        const float ratio = length * inverse_rest_[e];
-        if (inverse_rest_[e] > 0 && std::isfinite(ratio)) {
-          const float change = ratio >= 1 ? std::min(ratio - 1, kMost) : std::max(1 - 1 / ratio, -kMost);
-          most = std::abs(change) > std::abs(most) ? change : most;
-        }
+  for_indices(pool_, static_cast<int>(stretch_.size()), kVerticesPerPiece, [&](int i) {
+    float most = 0;
+    for (int e = edges_.offsets[i]; e < edges_.offsets[i + 1]; ++e) {
+      const auto length = static_cast<float>((pose.row(i) - pose.row(edges_.values[e])).norm());
+      const float ratio = length * inverse_rest_[e];
+      if (inverse_rest_[e] > 0 && std::isfinite(ratio)) {
+        const float change = ratio >= 1 ? std::min(ratio - 1, kMost) : std::max(1 - 1 / ratio, -kMost);
+        most = std::abs(change) > std::abs(most) ? change : most;
       }
-      stretch_[i] = most;
     }
+    stretch_[i] = most;
   });
   return stretch_;
 }
