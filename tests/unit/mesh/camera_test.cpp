@@ -74,20 +74,6 @@ TEST(View, BesideStaysInThePlaneOfThePicture) {
   }
 }
 
-TEST(View, PixelSizeIsTheWayOfAPixel) {
-  for (const double scale : {1e-6, 1.0, 1e6}) {
-    for (const Camera& view : views(scale)) {
-      const Vector3 point = scale * Vector3(0.2, -0.1, 0.3);
-      const Vector3 next = view.beside(point, view.pixel(point) + Vector2(10, 0));
-      const Vector3 way = next - point;
-      EXPECT_NEAR(view.pixel_size(point), way.norm() / 10, 1e-9 * scale);
-      // And by differences: so many pixels more for so much more of the way.
-      const Vector2 change = view.pixel(point + 1e-4 * way) - view.pixel(point);
-      EXPECT_NEAR(change.norm(), 1e-3, 1e-7);
-    }
-  }
-}
-
 /// The pixel of a perspective picture shows more of the scene the farther away it is.
 TEST(View, PixelSizeIsKnownOfPlainCameras) {
   const Camera far_off(perspective(0.1, 100), 800, 600);

@@ -218,27 +218,6 @@ TEST(Connect, LinksNoSidesOfBallsAndLimbs) {
   }
 }
 
-TEST(Connect, RegionGoesOnIntoThePieceThatIsNear) {
-  const TriangleMesh mesh = ball_in_ball();
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  RegionSpec spec = support::within(1.2);
-  const int pole = support::vertex_at(mesh, {0, 0, 1});
-  const Region apart = build_region(mesh, adjacency, spec, {{pole}});
-  EXPECT_TRUE(apart.links.empty());
-  EXPECT_LT(apart.mesh_vertex.back(), 642);
-  spec.connect_gap = 0.2;
-  const Region region = build_region(mesh, adjacency, spec, {{pole}});
-  EXPECT_GT(region.links.size(), 10U);
-  EXPECT_GE(region.mesh_vertex.back(), 642);
-  EXPECT_EQ(region.anchored.size(), 1U) << "one component";
-  for (const auto& [i, j] : region.links) {
-    EXPECT_TRUE(region.mesh_vertex[i] < 642 && region.mesh_vertex[j] >= 642);
-  }
-  for (const auto& face : region.faces.rowwise()) {
-    EXPECT_EQ(region.mesh_vertex[face[0]] < 642, region.mesh_vertex[face[1]] < 642);
-  }
-}
-
 TEST(Connect, RegionOfARadiusHasTheLinksOfTheWholeMesh) {
   const TriangleMesh mesh = ball_in_ball();
   const Adjacency adjacency = support::adjacency_of(mesh);

@@ -107,22 +107,6 @@ TEST(SurfaceDistance, IsNearlyExactOnGridsOfAnyTurn) {
   }
 }
 
-TEST(SurfaceDistance, IsNearlyExactOnGridsOfUnevenDensity) {
-  for (const Diagonals diagonals : {Diagonals::Single, Diagonals::Alternating, Diagonals::Rows}) {
-    for (const double factor : {1.05, 1.2, 1.5, 2.0, 4.0}) {
-      for (const bool both : {false, true}) {
-        SCOPED_TRACE("diagonals " + std::to_string(static_cast<int>(diagonals)) + ", factor " + std::to_string(factor) +
-                     (both ? ", both" : ", one"));
-        const std::vector<double> steps = uneven(41, factor, 4);
-        const TriangleMesh mesh = plane_grid(steps, both ? steps : even(41, 1), diagonals, 0.4);
-        for (const int seed : {20 * 41 + 20, 20 * 41 + 3, 5 * 41 + 30}) {
-          expect_near_exact(mesh, seed);
-        }
-      }
-    }
-  }
-}
-
 TEST(SurfaceDistance, IsNearlyExactOnIrregularAndFoldedGrids) {
   constexpr int kCount = 41;
   std::mt19937 random(3);

@@ -185,18 +185,6 @@ TEST(Brush, WorksOnTheInsideOfAnOpenSurface) {
   EXPECT_GT(brushed(mesh, view, view.pixel(Vector3(10, 10, 0)), 4).size(), 20U);
 }
 
-TEST(RayCast, FindsTheNearestTriangleAndItsNearestCorner) {
-  const TriangleMesh sphere = shapes::icosphere(3);
-  const Vector3 toward = Vector3(1, 2, 3).normalized();
-  const auto hit = Visibility(sphere).first_hit({5 * toward, -toward});
-  ASSERT_TRUE(hit);
-  EXPECT_NEAR(hit->point.dot(toward), 1, 0.01);
-  EXPECT_EQ(hit->vertex, support::vertex_at(sphere, hit->point));
-  EXPECT_TRUE((sphere.faces.row(hit->face).array() == hit->vertex).any());
-  EXPECT_FALSE(Visibility(sphere).first_hit({5 * toward, toward}));
-  EXPECT_FALSE(Visibility(sphere).first_hit({5 * toward, Vector3(3, 0, -1)}));
-}
-
 TEST(RayCast, RayThroughAVertexOrAnEdgeDoesNotSlipThrough) {
   const TriangleMesh sphere = shapes::icosphere(3);
   const Visibility faces(sphere);
