@@ -130,21 +130,6 @@ inline std::vector<int> around(const TriangleMesh& mesh, const Vector3& point, d
   return vertices_where(mesh, [&](const Vector3& p) { return (p - point).norm() < radius; });
 }
 
-/// Between the identity and a map, or beyond: (1 - t) identity + t map.
-inline Affine interpolated(const Affine& map, double t) {
-  Affine result = map;
-  result.linear() = (1 - t) * Matrix3::Identity() + t * map.linear();
-  result.translation() = t * map.translation();
-  return result;
-}
-
-inline std::vector<HandleMotion> interpolated(std::vector<HandleMotion> maps, double t) {
-  for (HandleMotion& map : maps) {
-    map.map = interpolated(map.map, t);
-  }
-  return maps;
-}
-
 /// Over the sides of all faces.
 inline double mean_edge(const TriangleMesh& mesh) {
   double sum = 0;

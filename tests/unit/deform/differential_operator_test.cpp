@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <limits>
 #include <set>
-#include <vector>
 
 #include "dense_reference.h"
 #include "shapes.h"

@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <limits>
-#include <stdexcept>
+#include <string>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -113,38 +112,6 @@ TEST(EditSettings, WhatTheMethodLacksIsRefused) {
   settings.order = 2;
   EXPECT_EQ(refusal(settings),
             "The order of the Laplacian is 2, but the method default has 1 only: leave it out, or use another method.");
-}
-
-/// Fails if a number of the table stands for another choice in the code.
-TEST(EditSettings, ChoicesAreWhatTheirNamesSay) {
-  const auto setting = [](const char* key) {
-    for (const Setting& one : settings_table()) {
-      if (std::string(one.key) == key) {
-        return one;
-      }
-    }
-    throw std::out_of_range(key);
-  };
-  const auto plain = [](std::string text) {  // a name in a report against a choice of JSON
-    std::replace(text.begin(), text.end(), ' ', '_');
-    std::replace(text.begin(), text.end(), '-', '_');
-    return text;
-  };
-  const auto check = [&](const char* key, auto member) {
-    const Setting row = setting(key);
-    for (std::size_t choice = 0; choice < row.choices.size(); ++choice) {
-      EditSettings settings;
-      row.set(settings, static_cast<double>(choice));
-      EXPECT_EQ(plain(name(settings.*member)), row.choices[choice]);
-      EXPECT_EQ(row.get(settings), static_cast<double>(choice));
-    }
-  };
-  check("laplacian", &EditSettings::laplacian);
-  check("method", &EditSettings::method);
-  check("rough", &EditSettings::rough);
-  EditSettings settings;
-  setting("membrane").set(settings, 1200);
-  EXPECT_EQ(settings.membrane, 1200);
 }
 
 }  // namespace

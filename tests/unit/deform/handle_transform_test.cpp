@@ -3,10 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 #include <random>
-#include <vector>
 
 #include "lapedit/base/error.h"
 

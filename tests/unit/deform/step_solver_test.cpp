@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/SparseCholesky>
 #include <chrono>
 #include <limits>
 #include <numeric>
@@ -13,14 +12,12 @@
 #include "allocation_watch.h"
 #include "dense_reference.h"
 #include "lapedit/deform/laplacian_system.h"
-#include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
 #include "support.h"
 
 namespace lapedit::step_solver_test {
 namespace {
 
-using support::given;
 using support::Prepared;
 using support::vertices_where;
 using support::within;
@@ -169,47 +166,6 @@ TEST(DenseLeastSquares, AgreesWhereTheNormalEquationsAreIllConditioned) {
   }
 }
 
-// --- components ---
-
-EditSettings with(EditMethod method) {
-  EditSettings settings;
-  settings.method = method;
-  return settings;
-}
-
-TEST(Components, OneWithoutAnchorFollowsItsHandle) {
-  // Most of one sphere, which is held along its boundary, and all of another one.
-  const TriangleMesh mesh = shapes::two_pieces(2);
-  const RegionSpec spec = given(vertices_where(mesh, [](const Vector3& p) { return p[0] > 1.5 || p[2] > -0.3; }));
-  const int held = support::vertex_at(mesh, Vector3(0, 0, 1));
-  const Region region = support::region_of(mesh, spec, {{held}, support::around(mesh, Vector3(3, 0, 1), 0.6)});
-  const Affine pull = support::shift(Vector3(0, 0, 0.4));
-  Affine stretch = support::rigid(110, Vector3(1, 3, 2), Vector3(4, 5, 6), Vector3(3, 0, 0));
-  stretch.linear() *= Vector3(2, 1, 0.5).asDiagonal();
-  EditSettings falloff = EditSettings::of(EditMethod::Paper);
-  falloff.rough = RoughDeformation::Falloff;
-  for (const EditSettings& settings : {with(EditMethod::Linear), with(EditMethod::Paper), EditSettings(), falloff}) {
-    for (const Affine& map :
-         {support::shift(Vector3(7, -1, 2)), support::rigid(170, Vector3(1, 3, 2), Vector3(4, 5, 6)), stretch}) {
-      Prepared solver(mesh, region, settings);
-      const Points& result = solver.pose({pull, map});
-      const Points rest = support::rows(mesh.vertices, region.mesh_vertex);
-      double off = 0, moved = 0;
-      for (int i = 0; i < region.size(); ++i) {
-        const Vector3 p = rest.row(i), q = result.row(i);
-        if (p[0] > 1.5) {
-          off = std::max(off, (q - map * p).norm());
-        } else {
-          moved = std::max(moved, (q - p).norm());
-        }
-      }
-      const bool settles = settings.method == EditMethod::Default;
-      EXPECT_LT(off, settles ? 1e-12 : 1e-13) << name(settings.method) << ", " << name(settings.rough);
-      EXPECT_NEAR(moved, 0.4, settles ? 0.02 : 0.01) << "the other one is edited as ever";
-    }
-  }
-}
-
 // --- reports ---
 
 /// Also in products, factors, their corrections and threads, all of which a pose needs.
@@ -338,36 +294,6 @@ TEST(Conditioning, RefusedMatrixBecomesAdvice) {
   support::expect_refusal(ErrorCause::Cancelled, [&] {
     factorise_for(region, [] { throw EditError(ErrorCause::Cancelled, "The edit was cancelled."); });
   });
-}
-
-/// A long tube held at one end, of order 3: a step of refinement leaves some 0.2 of an error. The reference is refined
-/// with Eigen's factor.
-TEST(Conditioning, SlowRefinementIsRightToo) {
-  TriangleMesh tube = shapes::cylinder(12, 100);
-  tube.vertices.col(0) *= 13;
-  const int tip = static_cast<int>(tube.vertices.rows()) - 1;
-  const Region region = support::region_of(tube, within(42), {{tip}});
-  EditSettings settings = EditSettings::of(EditMethod::Linear);
-  settings.order = 3;
-  Prepared solver(tube, region, settings);
-  const Vector3 way(1, 2, 0);
-  const Points found = solver.pose({support::shift(way)});
-  EXPECT_LT(solver.report().handle_residual, 1e-6);
-
-  const LaplacianSystem& system = *solver.system();
-  ThreadPool alone(1);
-  const Eigen::SimplicialLDLT<SparseMatrix> factor(system.powers.m->normal_matrix(system.squared_weights, alone));
-  Points expected = Points::Zero(region.size(), 3), product, left;
-  for (int step = 0; step < 60; ++step) {
-    system.powers.m->apply(expected, product, alone);
-    system.powers.m->apply_left_factor(product, left, alone);
-    for (int i = 0; i < region.size(); ++i) {
-      const Vector3 target = region.classes[i] == VertexClass::Handle ? way : Vector3::Zero();
-      left.row(i) = system.squared_weights[i] * (target.transpose() - expected.row(i)) - left.row(i);
-    }
-    expected += factor.solve(left);
-  }
-  EXPECT_LT((found - gather(tube.vertices, region.mesh_vertex) - expected).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 /// Refused before the factor is made, but not where a membrane holds the region: fails if the estimate knows of bending

@@ -21,7 +21,6 @@ namespace {
 
 using Maps = std::vector<HandleMotion>;
 using support::around;
-using support::interpolated;
 using support::rigid;
 using support::same_bits;
 using support::shift;
@@ -222,20 +221,6 @@ TEST(StepFrame, GoThroughThePassesOfAPose) {
       EXPECT_EQ(made, passes) << s.name << ": the first of them again, with the cells in full";
       EXPECT_LT(rms(drag.shown, drag.pose(s.maps)), 0.002 * path_of(s, s.maps)) << s.name << " after " << passes;
     }
-  }
-}
-
-/// Fails if the bounds hold for near handles only. Here they go up to twice as far as the region reaches.
-TEST(StepFrame, FarHandlesKeepTheBounds) {
-  for (const Scene& s : scenes()) {
-    if (s.maps[0].targets.rows() > 0) {
-      continue;
-    }
-    const Maps far = interpolated(s.maps, 3);
-    Dragged unrotated(s, with(EditMethod::Linear)), rotated(s, with(EditMethod::Default));
-    const double way = path_of(s, far);
-    EXPECT_LT((unrotated.first(far) - unrotated.pose(far)).rowwise().norm().maxCoeff(), 3e-4 * way) << s.name;
-    EXPECT_LT(rms(rotated.rested(far), rotated.pose(far)), 0.01 * way) << s.name;
   }
 }
 
