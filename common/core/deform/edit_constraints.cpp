@@ -15,8 +15,8 @@ EditConstraints::EditConstraints(const RestPose& rest)
   }
 }
 
-void EditConstraints::set(const std::vector<HandleMotion>& handles, const Affine& anchors, const Points& shift) {
-  paths_.set(handles, anchors);
+void EditConstraints::set(const std::vector<HandleMotion>& handles, const Points& shift) {
+  paths_.set(handles);
   const Points& rest = rest_.local;
   shift_ = shift;
   moves_rigidly_ = paths_.moves_rigidly();

@@ -10,19 +10,19 @@
 
 namespace lapedit {
 
-/// Targets of handles and anchors, and the rigid motion of each component of the region before the solve: that of its
-/// anchors, or the mean of its groups' maps if it has none. The solve computes displacements from the rigidly moved
+/// Targets of handles and anchors, and the rigid motion of each component of the region before the solve: none, or the
+/// mean of its groups' maps if it has no anchors. The solve computes displacements from the rigidly moved
 /// pose. Nothing is allocated after the first set() that moves a component.
 class EditConstraints {
  public:
   /// @param rest  must outlive the object
   explicit EditConstraints(const RestPose& rest);
 
-  /// @param handles  one per group, @param anchors motion of the anchors; both in absolute coordinates
-  /// @param shift    displacement of the rest pose that start() begins with, size() x 3; or no rows. Handles and
-  ///                 anchors move relative to it
+  /// @param handles  one per group, in absolute coordinates
+  /// @param shift    displacement of the rest pose that start() begins with, size() x 3; or no rows. Handles move
+  ///                 relative to it
   /// @throws EditError as GroupPaths::set()
-  void set(const std::vector<HandleMotion>& handles, const Affine& anchors, const Points& shift = {});
+  void set(const std::vector<HandleMotion>& handles, const Points& shift = {});
 
   /// Returns c_i - q_i for a handle vertex with the target c_i, size() x 3, where q is the rigidly moved pose; 0 for
   /// all others, since anchors of q are at their targets.

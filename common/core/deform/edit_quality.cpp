@@ -115,9 +115,7 @@ std::vector<double> wanted_volumes(const LaplacianSystem& system, const EditCons
       const Vector3 from = system.rest.local.row(i).transpose();
       const bool is_handle = region.classes[i] == VertexClass::Handle;
       const int c = region.component[i];
-      sums[c].add(
-          1 / counts[slot(i)], from,
-          from + (is_handle ? constraints.wanted_displacement(i) : constraints.rigid_motion(i).displacement(from)));
+      sums[c].add(1 / counts[slot(i)], from, is_handle ? Vector3(from + constraints.wanted_displacement(i)) : from);
       if (is_handle && counts[slot(i)] > 1) {
         const Matrix3 map = paths.motions()[region.group[i]].linear + Matrix3::Identity();
         wanted[c] = std::min(wanted[c], std::abs(map.determinant()));
@@ -247,8 +245,7 @@ void measure_edit(const LaplacianSystem& system, const EditConstraints& constrai
         report.causes.behind = region.mesh_vertex[i];
       }
     } else if (region.classes[i] == VertexClass::Anchor) {
-      const Vector3 wanted = constraints.rigid_motion(i).displacement(system.rest.local.row(i).transpose());
-      report.anchor_residual = std::max(report.anchor_residual, (moved - wanted).norm());
+      report.anchor_residual = std::max(report.anchor_residual, moved.norm());
     }
     report.rotation_max = std::max(report.rotation_max, degrees_of(rotations[i]));
   }

@@ -144,13 +144,9 @@ void GroupPaths::set_targets(Group& group, const HandleMotion& motion) {
   }
 }
 
-void GroupPaths::set(const std::vector<HandleMotion>& motions, const Affine& anchors) {
+void GroupPaths::set(const std::vector<HandleMotion>& motions) {
   check(motions);
-  if (!anchors.matrix().allFinite()) {
-    throw EditError(ErrorCause::NotFinite, "The motion of the anchors is not finite: give a finite transform.");
-  }
   const double unit = kUnit * region_.max_distance;
-  anchors_ = LocalMotion::of(anchors, origin_);
   double length = 0;
   has_targets_ = false;
   std::fill(leader_.begin(), leader_.end(), kNoGroup);
@@ -163,12 +159,7 @@ void GroupPaths::set(const std::vector<HandleMotion>& motions, const Affine& anc
       set_targets(group, motions[g]);
       length = std::max(length, unit > 0 ? group.offsets.rowwise().norm().maxCoeff() / unit : 0);
     } else {
-      // Paths begin after the motion of the anchors.
-      HandleMotion to = motions[g];
-      if (!anchors_.none()) {
-        to.map = anchors.inverse() * to.map;
-      }
-      group.path = MotionPath(to, origin_, group.centre);
+      group.path = MotionPath(motions[g], origin_, group.centre);
     }
     length = std::max(length, group.path.length(unit));
     for (const int c : group.components) {
@@ -204,10 +195,9 @@ void GroupPaths::go_to(int step) {
     groups_[g].now = at * groups_[g].fraction;
   }
   for (std::size_t c = 0; c < rigid_motions_.size(); ++c) {
-    rigid_motions_[c] = region_.anchored[c]      ? anchors_
-                        : leader_[c] == kNoGroup ? LocalMotion()
-                        : leader_[c] != kSeveral ? motions_[leader_[c]]
-                                                 : best_fit(static_cast<int>(c));
+    rigid_motions_[c] = region_.anchored[c] || leader_[c] == kNoGroup ? LocalMotion()
+                        : leader_[c] != kSeveral                      ? motions_[leader_[c]]
+                                                                      : best_fit(static_cast<int>(c));
     rigid_rotations_[c] = rigid_motions_[c].rotation();
   }
 }
@@ -217,11 +207,6 @@ LocalMotion GroupPaths::after(const Group& group, double fraction) const {
   if (group.vertices.size() == 1) {
     motion.translation = motion.displacement(group.centre);
     motion.linear.setZero();
-  }
-  if (!anchors_.none()) {
-    const Matrix3 linear = anchors_.linear + Matrix3::Identity();
-    motion.translation = anchors_.translation + linear * motion.translation;
-    motion.linear = anchors_.linear + linear * motion.linear;
   }
   return motion;
 }

@@ -9,9 +9,9 @@
 namespace lapedit {
 
 /// The paths of all handle groups of a region, and the rigid motions of its components before the solve. A component
-/// moves with its anchors; without anchors, with its groups if all of them move alike, or else by the rigid motion that
-/// fits the positions of all its handle vertices best. Scripts, drags and releases follow the same steps of these
-/// paths, so that a limb buckles to the same side in all of them.
+/// with anchors has none; without anchors it moves with its groups if all of them move alike, or else by the rigid
+/// motion that fits the positions of all its handle vertices best. Scripts, drags and releases follow the same steps of
+/// these paths, so that a limb buckles to the same side in all of them.
 class GroupPaths {
  public:
   /// @param rest    rest pose relative to `origin`, size() x 3; region and rest must outlive the object
@@ -21,7 +21,7 @@ class GroupPaths {
   /// displacement, but no rotation and no scale. After the first call memory is allocated for targets of vertices only.
   /// @throws EditError (NoHandle, NotFinite, BadParameter) unless there is a finite motion for each group, with no
   ///         targets or one for each vertex
-  void set(const std::vector<HandleMotion>& motions, const Affine& anchors = Affine::Identity());
+  void set(const std::vector<HandleMotion>& motions);
 
   /// Returns the number of equal steps of the paths. A step is at most 30 degrees of rotation, a tenth of the region's
   /// size or a stretch of a quarter, unless the path is very long.
@@ -82,7 +82,6 @@ class GroupPaths {
   std::vector<int> hanging_;            // ascending
   std::vector<std::vector<int>> held_;  // per component without anchors: its handle vertices, by groups
   std::vector<int> unanchored_;         // the other vertices of components without anchors, ascending
-  LocalMotion anchors_;
   std::vector<LocalMotion> motions_, rigid_motions_;
   std::vector<Matrix3> rotations_, rigid_rotations_;
   std::vector<int> leader_;  // per component: a group that all its groups move like, kSeveral or kNoGroup

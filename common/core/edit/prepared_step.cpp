@@ -86,7 +86,7 @@ void PreparedStep::pose(double fraction, std::vector<int>& vertices, Points& pos
     positions = positions_at(fitted_, mesh_, fraction, options_.scalar);
     vertices = fitted_.vertices;
   } else {
-    positions = solver_->pose(motions_of(mesh_, step_, fraction), Affine::Identity(), fraction);
+    positions = solver_->pose(motions_of(mesh_, step_, fraction), fraction);
     vertices = region().mesh_vertex;
   }
   const std::size_t own = vertices.size();

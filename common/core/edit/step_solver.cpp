@@ -303,12 +303,12 @@ void StepSolver::stop_at_contact() {
     for (HandleMotion& motion : part) {
       motion.fraction *= static_cast<double>(k) / kSteps;
     }
-    apply(part, motions_.anchors, motions_.fraction * k / kSteps);
+    apply(part, motions_.fraction * k / kSteps);
     start(true);
     correct(1);
     path.emplace_back(constraints_.start() + displacement_);
   }
-  apply(motions_.handles, motions_.anchors, motions_.fraction);
+  apply(motions_.handles, motions_.fraction);
   path.push_back(plain);
   contact_->follow(*system_, constraints_, path);
   rotations_ = rotations;
@@ -338,26 +338,25 @@ void StepSolver::settle() {
 }
 
 /// Sets the targets of the next frame or pose, and the rest pose with its detail. Checks the handles.
-void StepSolver::set(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction) {
+void StepSolver::set(const std::vector<HandleMotion>& handles, double fraction) {
   stage_ = Stage::None;
   if (contact_) {
     motions_.handles = handles;
-    motions_.anchors = anchors;
     motions_.fraction = fraction;
   }
-  apply(handles, anchors, fraction);
+  apply(handles, fraction);
 }
 
-void StepSolver::apply(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction) {
+void StepSolver::apply(const std::vector<HandleMotion>& handles, double fraction) {
   if (settings_.detail == 1 || !system_) {
-    constraints_.set(handles, anchors);
+    constraints_.set(handles);
   } else {
-    constraints_.set(handles, anchors, fraction * (1 - settings_.detail) * *system_->fair);
+    constraints_.set(handles, fraction * (1 - settings_.detail) * *system_->fair);
   }
 }
 
-const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction) {
-  set(handles, anchors, fraction);
+const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, double fraction) {
+  set(handles, fraction);
   start(false);
   stage_ = Stage::Full;
   while (stage_ != Stage::Settled) {
@@ -368,7 +367,7 @@ const Points& StepSolver::pose(const std::vector<HandleMotion>& handles, const A
 }
 
 void StepSolver::frame(const std::vector<HandleMotion>& handles, Points& positions) {
-  set(handles, Affine::Identity(), 1);
+  set(handles, 1);
   start(true);
   stage_ = Stage::Quick;
   if (system_) {

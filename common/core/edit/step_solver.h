@@ -116,16 +116,14 @@ class StepSolver {
   /// Computes a pose. Requires a system.
   ///
   /// A component without anchors is first moved by the mean of its groups' maps, so that it follows a single group
-  /// exactly; one with anchors by the map given for them.
+  /// exactly.
   /// @param handles   one motion per handle group; an affine map converts to a motion
-  /// @param anchors   motion of the anchors; in an edit the identity
   /// @param fraction  of the change that the setting `detail` makes
   /// @return          size() x 3, model units, rounded to the mesh's precision; valid until the next call. Row i
   ///                  belongs to region().mesh_vertex[i]
   /// @throws EditError (NotFinite) if a map or the result is not finite; (Cancelled); the object stays usable
   /// Cost: some passes, each with a solve or, the last one, three to six. Nothing is allocated after the first call.
-  const Points& pose(const std::vector<HandleMotion>& handles, const Affine& anchors = Affine::Identity(),
-                     double fraction = 1);
+  const Points& pose(const std::vector<HandleMotion>& handles, double fraction = 1);
   /// Returns the rotations of the last pose, one per region vertex.
   const std::vector<Matrix3>& rotations() const { return rotations_; }
 
@@ -171,13 +169,12 @@ class StepSolver {
 
   struct Motions {
     std::vector<HandleMotion> handles;
-    Affine anchors = Affine::Identity();
     double fraction = 1;
   };
 
   void make_cells(int threads);
-  void set(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction);
-  void apply(const std::vector<HandleMotion>& handles, const Affine& anchors, double fraction);
+  void set(const std::vector<HandleMotion>& handles, double fraction);
+  void apply(const std::vector<HandleMotion>& handles, double fraction);
   void start(bool quick);
   void rotate();
   void correct(double accuracy);

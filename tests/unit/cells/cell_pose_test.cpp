@@ -55,7 +55,7 @@ struct Turned {
 
   const CellPose& cells() const { return model.pose(); }
   const CellPose& solve(const Maps& maps, bool frame = false) {
-    constraints.set(maps, Affine::Identity());
+    constraints.set(maps);
     model.solve(constraints.paths(), frame);
     return cells();
   }
