@@ -9,7 +9,7 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
-#include "lapedit/base/thread_pool.h"
+#include "lapedit/base/progress.h"
 #include "lapedit/deform/intrinsic_triangulation.h"
 #include "lapedit/mesh/surface_index.h"
 #include "lapedit/mesh/vertex_set.h"
@@ -107,74 +107,42 @@ void each_edge(const CompressedRows& neighbours, const Use& use) {
   }
 }
 
-/// Weights that the faces of a region contribute to their edges.
-class EdgeSums {
- public:
-  EdgeSums(const Region& region, ThreadPool& pool) : region_(region), pool_(pool), local_(region.mesh_vertices, -1) {
-    for (int i = 0; i < region.size(); ++i) {
-      local_[region.mesh_vertex[i]] = i;
-    }
+/// Returns the sums of the weights that faces contribute to the edges of a region.
+/// @param weigh  function: the contribution of a face, from its Angles, to the edge opposite to a corner
+template <class Weigh>
+EdgeWeights sums_over_faces(const Region& region, const TriangleMesh& mesh, const Weigh& weigh) {
+  std::vector<int> local(region.mesh_vertices, -1);  // index in the region, per mesh vertex
+  for (int i = 0; i < region.size(); ++i) {
+    local[region.mesh_vertex[i]] = i;
   }
-
-  /// @param weigh  function: the contribution of a face, from its Angles, to the edge opposite to a corner
-  template <class Weigh>
-  EdgeWeights sum(const TriangleMesh& mesh, const Weigh& weigh) const {
-    constexpr int kGrain = 1024;
-    std::vector<Contribution> contributions(region_.edge_faces.size());
-    in_pieces(pool_, static_cast<int>(contributions.size()), kGrain, [&](int first, int last) {
-      for (int f = first; f < last; ++f) {
-        const int face = region_.edge_faces[f];
-        const Angles angles(mesh, face);
-        contributions[f].usable = angles.usable;
-        for (int k = 0; k < 3; ++k) {
-          contributions[f].entries[k] = entry(mesh.faces(face, (k + 1) % 3), mesh.faces(face, (k + 2) % 3));
-          contributions[f].weights[k] = angles.usable ? weigh(angles, k) : 0;
-        }
-      }
-    });
-    const std::size_t count = region_.neighbours.values.size();
-    constexpr char kNoFace = 2;
-    EdgeWeights sums{region_.neighbours, std::vector<double>(count, 0), std::vector<char>(count, kNoFace)};
-    Checkpoints checkpoints;
-    for (const Contribution& contribution : contributions) {
-      checkpoints();
-      for (int k = 0; k < 3; ++k) {
-        if (const int e = contribution.entries[k]; e >= 0) {
-          sums.values[e] += contribution.weights[k];
-          sums.uniform[e] = (sums.uniform[e] == 1 || !contribution.usable) ? 1 : 0;
-        }
+  const std::size_t count = region.neighbours.values.size();
+  constexpr char kNoFace = 2;
+  EdgeWeights sums{region.neighbours, std::vector<double>(count, 0), std::vector<char>(count, kNoFace)};
+  Checkpoints checkpoints;
+  for (const int face : region.edge_faces) {
+    checkpoints();
+    const Angles angles(mesh, face);
+    for (int k = 0; k < 3; ++k) {
+      const int i = local[mesh.faces(face, (k + 1) % 3)], j = local[mesh.faces(face, (k + 2) % 3)];
+      if (i >= 0 && j >= 0 && i != j) {
+        const int e = region.neighbours.entry(std::min(i, j), std::max(i, j));
+        sums.values[e] += angles.usable ? weigh(angles, k) : 0;
+        sums.uniform[e] = (sums.uniform[e] == 1 || !angles.usable) ? 1 : 0;
       }
     }
-    each_edge(region_.neighbours, [&sums](int e, int back) {
-      sums.values[back] = sums.values[e];
-      sums.uniform[back] = sums.uniform[e] = sums.uniform[e] != 0 ? 1 : 0;
-    });
-    return sums;
   }
-
- private:
-  struct Contribution {
-    int entries[3];
-    bool usable;
-    double weights[3];
-  };
-
-  /// Returns the edge's entry in the row of its lower vertex; -1 if it is no edge of the region.
-  int entry(int a, int b) const {
-    const int i = local_[a], j = local_[b];
-    return i < 0 || j < 0 || i == j ? -1 : region_.neighbours.entry(std::min(i, j), std::max(i, j));
-  }
-
-  const Region& region_;
-  ThreadPool& pool_;
-  std::vector<int> local_;  // index in the region, per mesh vertex
-};
+  each_edge(region.neighbours, [&sums](int e, int back) {
+    sums.values[back] = sums.values[e];
+    sums.uniform[back] = sums.uniform[e] = sums.uniform[e] != 0 ? 1 : 0;
+  });
+  return sums;
+}
 
 /// Returns w_ji = max(0, (cot a + cot b) / 2), where a and b are the angles opposite to edge ji.
-EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh, ThreadPool& pool) {
+EdgeWeights cotangent_weights(const Region& region, const TriangleMesh& mesh) {
   const CompressedRows& neighbours = region.neighbours;
   EdgeWeights result =
-      EdgeSums(region, pool).sum(mesh, [](const Angles& angles, int corner) { return 0.5 * angles.cotangent(corner); });
+      sums_over_faces(region, mesh, [](const Angles& angles, int corner) { return 0.5 * angles.cotangent(corner); });
   std::vector<double>& weights = result.values;
   for (std::size_t e = 0; e < weights.size(); ++e) {
     weights[e] = result.uniform[e] ? kEquilateralWeight : std::max(weights[e], 0.0);
@@ -213,13 +181,13 @@ double mean_edge(const Region& region, const TriangleMesh& mesh) {
 
 /// Returns mean value weights (Floater 2003), averaged over both ends of an edge: half the sum of tan(angle / 2) over
 /// the four angles next to it, over its length in mean edges.
-EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh, ThreadPool& pool) {
+EdgeWeights mean_value_weights(const Region& region, const TriangleMesh& mesh) {
   constexpr double kRange = 1e3;
   const double unit = mean_edge(region, mesh);
   // The edge between two equilateral triangles has 2 tan 30 degrees over its length; each of the four angles
   // contributes a quarter.
   constexpr double kUniform = 2 * kEquilateralWeight;
-  EdgeWeights result = EdgeSums(region, pool).sum(mesh, [unit](const Angles& angles, int corner) {
+  EdgeWeights result = sums_over_faces(region, mesh, [unit](const Angles& angles, int corner) {
     const double one = angles.half_tangent((corner + 1) % 3), other = angles.half_tangent((corner + 2) % 3);
     return 0.5 * (one + other) * unit / angles.lengths[corner];
   });
@@ -287,19 +255,17 @@ const char* name(LaplacianKind kind) {
 }
 
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric,
-                         ThreadPool* pool, const std::vector<Matrix3>* metric) {
-  ThreadPool alone(1);
-  ThreadPool& threads = pool ? *pool : alone;
+                         const std::vector<Matrix3>* metric) {
   EdgeWeights weights;
   switch (kind) {
     case LaplacianKind::Umbrella:
       weights = {region.neighbours, std::vector<double>(region.neighbours.values.size(), 1), {}};
       break;
     case LaplacianKind::Cotangent:
-      weights = cotangent_weights(region, mesh, threads);
+      weights = cotangent_weights(region, mesh);
       break;
     case LaplacianKind::MeanValue:
-      weights = mean_value_weights(region, mesh, threads);
+      weights = mean_value_weights(region, mesh);
       break;
     case LaplacianKind::Surface:
       return surface_weights(region, gather(mesh.vertices, region.mesh_vertex), metric);
@@ -313,7 +279,7 @@ EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const Triangl
 
 DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,
                                            bool symmetric, const std::vector<Matrix3>* metric) {
-  const EdgeWeights weights = edge_weights(kind, region, mesh, symmetric, nullptr, metric);
+  const EdgeWeights weights = edge_weights(kind, region, mesh, symmetric, metric);
   const Eigen::VectorXd sums = sums_of(weights);
   DifferentialOperator result;
   result.divisor = kind == LaplacianKind::Surface ? divisor_of(weights.areas, sums) : sums;

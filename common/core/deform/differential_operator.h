@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "lapedit/base/thread_pool.h"
 #include "lapedit/mesh/region.h"
 
 namespace lapedit {
@@ -47,9 +46,8 @@ struct EdgeWeights {
 
 /// @param symmetric  gives both directions of each edge the larger weight; otherwise rows whose cotangent weights are
 ///                   all zero are not symmetric
-/// @param pool       null: the caller's thread alone; the weights do not depend on it
 EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const TriangleMesh& mesh, bool symmetric = false,
-                         ThreadPool* pool = nullptr, const std::vector<Matrix3>* metric = nullptr);
+                         const std::vector<Matrix3>* metric = nullptr);
 
 /// An n x n operator M over a region (paper, section 3): (M p)_j = p_j - sum_i alpha_ji p_i. Its off-diagonal entries
 /// are -alpha_ji <= 0, and rows sum to 0; the row of a vertex without neighbours is zero. M is not symmetric, but M =

@@ -30,7 +30,7 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
   const CompressedRows& neighbours = region.neighbours;
   refuse_fans(region, 1, std::numeric_limits<int>::max());
   const DifferentialOperator whole = differential_operator(LaplacianKind::MeanValue, region, mesh, true);
-  weights_ = edge_weights(LaplacianKind::MeanValue, region, mesh, true, pool_.get()).values;
+  weights_ = edge_weights(LaplacianKind::MeanValue, region, mesh, true).values;
   mass_.setZero(n);
   const Eigen::VectorXd areas = face_areas(rest, region.faces);
   for (Eigen::Index f = 0; f < areas.size(); ++f) {
