@@ -60,6 +60,7 @@ auto keyed(const Key& key, const Work& work) {
 inline std::string entry_key(const std::string& list, std::size_t entry) {
   return list + "[" + std::to_string(entry) + "]";
 }
+/// Adds that key.
 template <class Key, class Work>
 auto keyed(const Key& list, std::size_t entry, const Work& work) {
   try {

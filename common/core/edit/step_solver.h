@@ -111,7 +111,6 @@ class StepSolver {
   const Region& region() const { return *rest_->region; }
   const EditSettings& settings() const { return settings_; }
   const std::shared_ptr<const LaplacianSystem>& system() const { return system_; }  ///< null before take()
-  const CellModel* cells() const { return cells_.get(); }                           ///< null if they were not made
 
   /// Computes a pose. Requires a system.
   ///

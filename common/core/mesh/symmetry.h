@@ -77,7 +77,6 @@ class PoseSymmetry {
  public:
   /// Has no effect if a vertex of the region has no twin within 1e-6 of the mesh's diagonal of its mirrored position.
   PoseSymmetry(const TriangleMesh& mesh, const Region& region, const MirrorPlane& plane);
-  bool applies() const { return !twin_.empty(); }
   void apply(Points& positions) const;  ///< size() x 3; allocates nothing
 
  private:
