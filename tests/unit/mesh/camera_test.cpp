@@ -103,12 +103,6 @@ TEST(View, RaysBeginAtTheNearPlane) {
   EXPECT_LT((parallel_ray.direction - Vector3(0, 0, -1)).norm(), 1e-12);
 }
 
-TEST(View, WhatIsBehindTheCameraIsNotInFront) {
-  const Camera view(perspective(0.1, 100), 800, 600);
-  EXPECT_TRUE(view.in_front(Vector3(0, 0, -1)));
-  EXPECT_FALSE(view.in_front(Vector3(0, 0, 1)));
-}
-
 TEST(View, UselessMatricesAreNotValid) {
   EXPECT_FALSE(Camera().valid());
   EXPECT_FALSE(Camera(Eigen::Matrix4d::Zero(), 800, 600).valid());

@@ -74,13 +74,6 @@ TEST_P(GeodesicOn, ListsReachedVerticesNearestFirstThenByNumber) {
   }
 }
 
-TEST(Geodesic, RepeatedSeedsAreListedOnce) {
-  const TriangleMesh mesh = shapes::grid(3, 3);
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  GeodesicSearch search({adjacency.neighbours, mesh.vertices});
-  EXPECT_EQ(search.run({4, 4, 4}, 0.5), std::vector<int>{4});
-}
-
 TEST(Geodesic, VerticesThatAreNotNumbersAreNotEntered) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     TriangleMesh mesh = shapes::grid(5, 5);

@@ -28,13 +28,6 @@ Set square(int from, int to) {
   return set;
 }
 
-TEST(VertexSet, UnionAndDifference) {
-  EXPECT_EQ(united({1, 3, 5}, {2, 3}), (Set{1, 2, 3, 5}));
-  EXPECT_EQ(without({1, 3, 5}, {3, 4}), (Set{1, 5}));
-  EXPECT_EQ(united({}, {2}), Set{2});
-  EXPECT_EQ(without({}, {2}), Set());
-}
-
 TEST(VertexSet, GrowsByItsNeighbours) {
   Set ring(kAround.neighbours[210].begin(), kAround.neighbours[210].end());
   EXPECT_EQ(grown(kAround, {210}), united(ring, {210}));

@@ -87,17 +87,6 @@ TEST(Visibility, OfAViewerInsideTheMesh) {
   }
 }
 
-TEST(Visibility, OfVerySmallMeshes) {
-  TriangleMesh mesh = shapes::grid(2, 2);
-  mesh.faces.conservativeResize(1, 3);
-  const Camera view = support::view_from_above(mesh.vertices);
-  const Adjacency one = support::adjacency_of(mesh);
-  EXPECT_TRUE(Visibility(mesh).sees(view, one, 0, mesh.faces(0, 1) == 1 ? -1 : 1));
-  EXPECT_FALSE(Visibility(mesh).sees(view, one, 3)) << "has no face";
-  mesh.faces.resize(0, 3);
-  EXPECT_FALSE(Visibility(mesh).sees(view, support::adjacency_of(mesh), 0));
-}
-
 TEST(Visibility, VerticesThatAreNotFiniteAreNotSeenAndHideNothing) {
   TriangleMesh mesh = shapes::together(shapes::grid(15, 15), shapes::grid(15, 15), Vector3(0.1, 0.1, 3));
   const Camera view = support::view_from_above(mesh.vertices);
