@@ -312,11 +312,6 @@ SparseMatrix product(const SparseMatrix& a, const SparseMatrix& b) {
 }
 
 SparseMatrix power(const SparseMatrix& matrix, int order) {
-  if (order < 1 || order > 3) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The order of the Laplacian is " + std::to_string(order) + ": it can be 1, 2 or 3.")
-        .at("order");
-  }
   SparseMatrix result = matrix;
   for (int k = 1; k < order; ++k) {
     result = product(result, matrix);

@@ -64,7 +64,7 @@ struct DifferentialOperator {
 DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,
                                            bool symmetric = false, const std::vector<Matrix3>* metric = nullptr);
 
-/// Returns M^k. @throws EditError (BadParameter) unless order is 1, 2 or 3
+/// Returns M^k.
 SparseMatrix power(const SparseMatrix& matrix, int order);
 
 /// Refuses vertices with so many neighbours that the normal matrix, whose entries are estimated, would take most of the

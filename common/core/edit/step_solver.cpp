@@ -119,9 +119,6 @@ StepSolver::StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSe
       constraints_(*rest_) {
   preparation_.region_ms = found.milliseconds;
   preparation_.passes = passes_of(settings, region(), rest_->world);
-  if (constraints_.handles().empty() && !region().without_handle) {
-    throw EditError(ErrorCause::NoHandle, "There is no handle in the region: name at least one vertex to move.");
-  }
   if (options.mirror) {
     symmetry_.emplace(mesh, region(), *options.mirror);
   }

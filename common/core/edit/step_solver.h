@@ -86,7 +86,7 @@ struct StepOptions {
 class StepSolver {
  public:
   /// Stores the region. Poses need prepare() or take(), frames make_cells().
-  /// @param mesh  rest pose; not kept. @throws EditError (BadParameter, NoHandle) as validate() and RestPose
+  /// @param mesh  rest pose; not kept. @throws EditError (BadParameter) as validate()
   StepSolver(const TriangleMesh& mesh, FoundRegion found, const EditSettings& settings,
              const StepOptions& options = {});
   ~StepSolver();

@@ -26,14 +26,6 @@ std::string key_of(std::size_t group, const char* key) {
 
 void check_weights(const std::vector<std::vector<int>>& groups, const std::vector<std::vector<double>>& weights) {
   for (std::size_t g = 0; g < weights.size(); ++g) {
-    const std::size_t vertices = g < groups.size() ? groups[g].size() : 0;
-    if (!weights[g].empty() && weights[g].size() != vertices) {
-      throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) + " has " +
-                                                    std::to_string(vertices) + " vertices and " +
-                                                    std::to_string(weights[g].size()) +
-                                                    " weights: give one weight for each vertex, or none at all.")
-          .at(key_of(g, "weights"));
-    }
     for (std::size_t k = 0; k < weights[g].size(); ++k) {
       if (!(weights[g][k] >= kLeastWeight && weights[g][k] <= 1)) {
         throw EditError(ErrorCause::BadParameter,

@@ -96,8 +96,6 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
 }
 
 std::vector<int> shortest_path(const TriangleMesh& mesh, const Adjacency& adjacency, int from, int to) {
-  require_vertex("Vertex", from, mesh.vertices.rows());
-  require_vertex("Vertex", to, mesh.vertices.rows());
   ShortestPaths paths(adjacency.neighbours, mesh.vertices);
   paths.begin(from);
   return paths.to(to);

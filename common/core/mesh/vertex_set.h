@@ -57,7 +57,6 @@ std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adja
 
 /// Returns the vertices of a shortest path along edges, both ends included; empty if there is no path. Deterministic:
 /// always the same one of several shortest paths.
-/// @throws EditError (BadIndex)
 std::vector<int> shortest_path(const TriangleMesh& mesh, const Adjacency& adjacency, int from, int to);
 
 }  // namespace lapedit

@@ -214,12 +214,5 @@ TEST(CotangentOperator, DegenerateTrianglesTakeTheUniformWeight) {
   EXPECT_NEAR(m(0, 2), -0.5 / (2 * uniform + 0.5), 1e-15);
 }
 
-TEST(OperatorPower, OtherOrdersAreRefused) {
-  const SparseMatrix m = differential_operator(LaplacianKind::Umbrella, whole(shapes::grid(3, 3)), {}).matrix;
-  for (const int order : {-1, 0, 4}) {
-    support::expect_refusal(ErrorCause::BadParameter, [&] { power(m, order); });
-  }
-}
-
 }  // namespace
 }  // namespace lapedit::differential_operator_test

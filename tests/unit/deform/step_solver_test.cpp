@@ -205,11 +205,6 @@ class SolverErrors : public ::testing::Test {
   Region region = support::region_of(mesh, within(0.8), {{120}, {124}});
 };
 
-TEST_F(SolverErrors, RegionWithoutHandleIsRefused) {
-  const Region region = support::whole_region(mesh, {}, {0, 1, 2});
-  support::expect_refusal(ErrorCause::NoHandle, [&] { Prepared(mesh, region, {}); });
-}
-
 TEST_F(SolverErrors, SettingsAreChecked) {
   EditSettings settings;
   settings.order = 7;

@@ -61,8 +61,6 @@ TEST(VertexSet, BadArgumentsAreRefused) {
   using support::expect_refusal;
   for (const int vertex : {-1, 400}) {
     expect_refusal(ErrorCause::BadIndex, [=] { vertices_within(kGrid, kAround, vertex, 1); });
-    expect_refusal(ErrorCause::BadIndex, [=] { shortest_path(kGrid, kAround, vertex, 0); });
-    expect_refusal(ErrorCause::BadIndex, [=] { shortest_path(kGrid, kAround, 0, vertex); });
   }
   for (const double radius : {-1.0, kUnreached, std::numeric_limits<double>::quiet_NaN()}) {
     expect_refusal(ErrorCause::BadParameter, [=] { vertices_within(kGrid, kAround, 0, radius); });
