@@ -32,7 +32,7 @@ def run(mesh, *steps, fractions="1", scan=None):
             write(folder / "scan.ply", *scan)
         (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "steps": steps}), encoding="utf-8")
         done = subprocess.run([COMMAND, "-q", "--fractions", fractions, "--report", "report.json", "mesh.ply", "out.ply", "edit.json"],
-                              cwd=folder, capture_output=True, text=True, check=False)
+                              cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, "MALLOC_PERTURB_": "85"})
         if done.returncode:
             return None, done.stderr
         poses = [read(path, len(mesh[0])) for path in sorted(folder.glob("out*.ply"))]
@@ -643,6 +643,10 @@ class Shape(Edits):
             pose = edited(mesh, step(handle(low, **motion), handle(high), method=method))
             self.assert_error(pose[low], mesh[0][low] @ rotation(Z, 60).T + (0, 0, 0.5), 0.02, method)
             self.assert_error(pose[high], mesh[0][high], 0.02, method)
+        mesh = grid(8, 8)
+        pose = edited(mesh, step(handle((0, 63), translation=Z), region={"vertices": "0-1,8-9,16-17,63"}))  # 63 has no neighbour there
+        self.assert_error(pose[[0, 63]], mesh[0][[0, 63]] + Z, 0.01)
+        self.assert_error(edited(mesh, {"region": {"vertices": "27"}, "detail": 0}), mesh[0], 1e-9)
 
     def test_faults_of_scans_are_edited(self):
         """Where the mathematics allows: near the handle all is finite, and what is outside of the region keeps its bits."""
