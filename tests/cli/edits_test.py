@@ -23,14 +23,16 @@ from surfaces import X, Y, Z, ball, between, degrees_between, fitted, grid, near
 METHODS = ("default", "paper", "linear")
 
 
-def run(mesh, *steps, fractions="1", scan=None):
-    """@param scan  is scan.ply. @return positions for each fraction, and the last report or the refusal"""
+def run(mesh, *steps, fractions="1", scan=None, made_for=None):
+    """@param scan  is scan.ply. @param made_for  positions by which the edit is applied. @return positions for each fraction, and the last
+    report or the refusal"""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         write(folder / "mesh.ply", *mesh)
         if scan:
             write(folder / "scan.ply", *scan)
-        (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "steps": steps}), encoding="utf-8")
+        by_position = {} if made_for is None else {"mesh": {"positions": {"vertices": f"0-{len(made_for) - 1}", "points": made_for.tolist()}}}
+        (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, **by_position, "steps": steps}), encoding="utf-8")
         done = subprocess.run([COMMAND, "-q", "--fractions", fractions, "--report", "report.json", "mesh.ply", "out.ply", "edit.json"],
                               cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, "MALLOC_PERTURB_": "85"})
         if done.returncode:
@@ -39,8 +41,8 @@ def run(mesh, *steps, fractions="1", scan=None):
         return poses, json.loads((folder / "report.json").read_text(encoding="utf-8"))["outputs"][-1]["steps"][-1]
 
 
-def edited(mesh, *steps):
-    poses, report = run(mesh, *steps)
+def edited(mesh, *steps, **more):
+    poses, report = run(mesh, *steps, **more)
     assert poses, report
     return poses[0]
 
@@ -271,6 +273,19 @@ class Invariance(Edits):
                 (found,), _ = self.pose(((other, turned), radius, normal_radius, [(to[v], m) for v, m in groups], ties), settings)
                 bound = self.TIES if ties and settings.get("method") == "paper" else 1e-9 if settings else 1e-6
                 self.assert_error(found[to] / size, pose / size, bound, (k, settings))
+
+    def test_by_position_all_sets_have_other_numbers(self):
+        mesh = grid(20, 20)
+        to = np.random.default_rng(5).permutation(400)
+        points = np.empty_like(mesh[0])
+        points[to] = mesh[0]
+        grip, wall = handle(near(mesh, (10, 10, 0), 1.1), translation=(0, 0, 3)), [int(v) for v in near(mesh, (10, 14, 0), 1.6)]
+        for region in ({"radius": 7}, {"within": {"point": [10, 10, 0], "radius": 7}}, {"vertices": "0-399"}):
+            held = step(grip, region={**region, "held": wall})
+            self.assert_error(edited((points, to[mesh[1]]), held, made_for=mesh[0])[to], edited(mesh, held), 1e-6, region)
+        fit = step(fit={"to": "scan.ply", "exclude": {"vertices": wall}})
+        scan = mesh[0] + np.sin(mesh[0][:, [1]] / 4) * Z, mesh[1]
+        self.assert_error(edited((points, to[mesh[1]]), fit, made_for=mesh[0], scan=scan)[to], edited(mesh, fit, scan=scan), 1e-6, "fit")
 
     def test_far_from_the_origin_the_digits_that_are_left_are_right(self):
         for k, ((points, faces), radius, normal_radius, groups, _) in enumerate(self.cases()):
