@@ -61,6 +61,23 @@ def turn(axis, degrees):
     return {"axis": axis, "degrees": degrees}
 
 
+def crossings(points, faces):
+    """The number of edges of faces that pass through a face without a common corner."""
+    shared = (faces[:, None, :, None] == faces[None, :, None, :]).any((2, 3))
+    i, j = np.nonzero(~shared)
+    (a, b, c), count = points[faces[j]].transpose(1, 0, 2), 0
+
+    def volume(p, q, r, s):
+        return np.einsum("ij,ij->i", np.cross(q - p, r - p), s - p)
+
+    for k in range(3):
+        p, q = points[faces[i, k]], points[faces[i, (k + 1) % 3]]
+        sides = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)]
+        through = volume(a, b, c, p) * volume(a, b, c, q) < 0
+        count += (through & ((np.min(sides, 0) > 0) | (np.max(sides, 0) < 0))).sum()
+    return count
+
+
 class Edits(unittest.TestCase):
     def assert_error(self, found, expected, bound, what=""):
         self.assertLess(np.abs(found - expected).max(), bound, what)
@@ -658,10 +675,6 @@ class Shape(Edits):
             pose = edited(mesh, step(handle(low, **motion), handle(high), method=method))
             self.assert_error(pose[low], mesh[0][low] @ rotation(Z, 60).T + (0, 0, 0.5), 0.02, method)
             self.assert_error(pose[high], mesh[0][high], 0.02, method)
-        mesh = grid(8, 8)
-        pose = edited(mesh, step(handle((0, 63), translation=Z), region={"vertices": "0-1,8-9,16-17,63"}))  # 63 has no neighbour there
-        self.assert_error(pose[[0, 63]], mesh[0][[0, 63]] + Z, 0.01)
-        self.assert_error(edited(mesh, {"region": {"vertices": "27"}, "detail": 0}), mesh[0], 1e-9)
 
     def test_faults_of_scans_are_edited(self):
         """Where the mathematics allows: near the handle all is finite, and what is outside of the region keeps its bits."""
@@ -683,6 +696,18 @@ class Shape(Edits):
                     self.assertTrue(np.isfinite(after[near_by]).all())
                     self.assertTrue((after[~near_by].view("u8") == mesh[0][~near_by].view("u8")).all())
                     self.assert_error(after[220], points[220] + (0, 0, 4), 0.04)
+        mesh = grid(8, 8)
+        pose = edited(mesh, step(handle((0, 63), translation=Z), region={"vertices": "0-1,8-9,16-17,63"}))  # 63 has no neighbour there
+        self.assert_error(pose[[0, 63]], mesh[0][[0, 63]] + Z, 0.01)
+        self.assert_error(edited(mesh, {"region": {"vertices": "27"}, "detail": 0}), mesh[0], 1e-9)
+
+    def test_stretched_patches_cross_nothing_with_contact(self):
+        mesh = ball(2)
+        for vertex, way in ((135, (-0.78, -0.62, -3.66)), (77, (2, 0.19, -0.83))):
+            grip = handle(near(mesh, mesh[0][vertex], 0.5), translation=way)
+            for contact in (False, True):
+                pose = edited(mesh, step(grip, region={"radius": 1}, **({"contact": True} if contact else {})))
+                self.assertEqual(crossings(pose, mesh[1]) == 0, contact, vertex)
 
     def test_kernels_of_older_processors_give_the_same_coordinates(self):
         mesh = tube(16, 60, 12)
