@@ -183,6 +183,9 @@ void takeFiles(const Words& words, Options& options) {
   if (options.symmetrise && (words.has("--fit") || hasLandmarks)) {
     refuse("Give --symmetrise without --fit and --landmarks.");
   }
+  if (options.contact && hasFit) {
+    refuse("Give --contact without --fit and --symmetrise, which do not stop at contact.");
+  }
   const std::size_t wanted = options.asks() ? 1 : hasLandmarks || hasFit ? 2 : 3;
   if (files.size() != wanted) {
     refuse("There are " + std::to_string(files.size()) + " file names: give " +

@@ -23,24 +23,26 @@ from surfaces import X, Y, Z, ball, between, degrees_between, fitted, grid, near
 METHODS = ("default", "paper", "linear")
 
 
-def run(mesh, *steps, fractions="1", scan=None):
-    """@param scan  is scan.ply. @return positions for each fraction, and the last report or the refusal"""
+def run(mesh, *steps, fractions="1", scan=None, made_for=None):
+    """@param scan  is scan.ply. @param made_for  positions by which the edit is applied. @return positions for each fraction, and the last
+    report or the refusal"""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         write(folder / "mesh.ply", *mesh)
         if scan:
             write(folder / "scan.ply", *scan)
-        (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "steps": steps}), encoding="utf-8")
+        by_position = {} if made_for is None else {"mesh": {"positions": {"vertices": f"0-{len(made_for) - 1}", "points": made_for.tolist()}}}
+        (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, **by_position, "steps": steps}), encoding="utf-8")
         done = subprocess.run([COMMAND, "-q", "--fractions", fractions, "--report", "report.json", "mesh.ply", "out.ply", "edit.json"],
-                              cwd=folder, capture_output=True, text=True, check=False)
+                              cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, "MALLOC_PERTURB_": "85"})
         if done.returncode:
             return None, done.stderr
         poses = [read(path, len(mesh[0])) for path in sorted(folder.glob("out*.ply"))]
         return poses, json.loads((folder / "report.json").read_text(encoding="utf-8"))["outputs"][-1]["steps"][-1]
 
 
-def edited(mesh, *steps):
-    poses, report = run(mesh, *steps)
+def edited(mesh, *steps, **more):
+    poses, report = run(mesh, *steps, **more)
     assert poses, report
     return poses[0]
 
@@ -57,6 +59,23 @@ def handle(vertices, **transform):
 
 def turn(axis, degrees):
     return {"axis": axis, "degrees": degrees}
+
+
+def crossings(points, faces):
+    """The number of edges of faces that pass through a face without a common corner."""
+    shared = (faces[:, None, :, None] == faces[None, :, None, :]).any((2, 3))
+    i, j = np.nonzero(~shared)
+    (a, b, c), count = points[faces[j]].transpose(1, 0, 2), 0
+
+    def volume(p, q, r, s):
+        return np.einsum("ij,ij->i", np.cross(q - p, r - p), s - p)
+
+    for k in range(3):
+        p, q = points[faces[i, k]], points[faces[i, (k + 1) % 3]]
+        sides = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)]
+        through = volume(a, b, c, p) * volume(a, b, c, q) < 0
+        count += (through & ((np.min(sides, 0) > 0) | (np.max(sides, 0) < 0))).sum()
+    return count
 
 
 class Edits(unittest.TestCase):
@@ -271,6 +290,19 @@ class Invariance(Edits):
                 (found,), _ = self.pose(((other, turned), radius, normal_radius, [(to[v], m) for v, m in groups], ties), settings)
                 bound = self.TIES if ties and settings.get("method") == "paper" else 1e-9 if settings else 1e-6
                 self.assert_error(found[to] / size, pose / size, bound, (k, settings))
+
+    def test_by_position_all_sets_have_other_numbers(self):
+        mesh = grid(20, 20)
+        to = np.random.default_rng(5).permutation(400)
+        points = np.empty_like(mesh[0])
+        points[to] = mesh[0]
+        grip, wall = handle(near(mesh, (10, 10, 0), 1.1), translation=(0, 0, 3)), [int(v) for v in near(mesh, (10, 14, 0), 1.6)]
+        for region in ({"radius": 7}, {"within": {"point": [10, 10, 0], "radius": 7}}, {"vertices": "0-399"}):
+            held = step(grip, region={**region, "held": wall})
+            self.assert_error(edited((points, to[mesh[1]]), held, made_for=mesh[0])[to], edited(mesh, held), 1e-6, region)
+        fit = step(fit={"to": "scan.ply", "exclude": {"vertices": wall}})
+        scan = mesh[0] + np.sin(mesh[0][:, [1]] / 4) * Z, mesh[1]
+        self.assert_error(edited((points, to[mesh[1]]), fit, made_for=mesh[0], scan=scan)[to], edited(mesh, fit, scan=scan), 1e-6, "fit")
 
     def test_far_from_the_origin_the_digits_that_are_left_are_right(self):
         for k, ((points, faces), radius, normal_radius, groups, _) in enumerate(self.cases()):
@@ -664,6 +696,18 @@ class Shape(Edits):
                     self.assertTrue(np.isfinite(after[near_by]).all())
                     self.assertTrue((after[~near_by].view("u8") == mesh[0][~near_by].view("u8")).all())
                     self.assert_error(after[220], points[220] + (0, 0, 4), 0.04)
+        mesh = grid(8, 8)
+        pose = edited(mesh, step(handle((0, 63), translation=Z), region={"vertices": "0-1,8-9,16-17,63"}))  # 63 has no neighbour there
+        self.assert_error(pose[[0, 63]], mesh[0][[0, 63]] + Z, 0.01)
+        self.assert_error(edited(mesh, {"region": {"vertices": "27"}, "detail": 0}), mesh[0], 1e-9)
+
+    def test_stretched_patches_cross_nothing_with_contact(self):
+        mesh = ball(2)
+        for vertex, way in ((135, (-0.78, -0.62, -3.66)), (77, (2, 0.19, -0.83))):
+            grip = handle(near(mesh, mesh[0][vertex], 0.5), translation=way)
+            for contact in (False, True):
+                pose = edited(mesh, step(grip, region={"radius": 1}, **({"contact": True} if contact else {})))
+                self.assertEqual(crossings(pose, mesh[1]) == 0, contact, vertex)
 
     def test_kernels_of_older_processors_give_the_same_coordinates(self):
         mesh = tube(16, 60, 12)

@@ -173,6 +173,7 @@ class Damage(ProgramTest):
         mesh = files.sheet()
         binary, off = files.ply("binary_little_endian", mesh, count="int"), files.off(mesh)
         camera = binary.index(b"end_header\n") + 11 + 4  # its list
+        self.check_refusal("texture.ply", b"ply\nformat ascii 1.0\ncomment TextureFile")
         self.check_refusal("format.ply", files.ply("ascii", mesh).replace(b"format ascii 1.0\n", b"", 1))
         for number in (2**31 - 1, 2**31, 2**32 - 1, 2**63, 10**30, -1):
             text, low = b"%d" % number, struct.pack("<I", number % 2**32)

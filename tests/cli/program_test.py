@@ -54,6 +54,7 @@ class Usage(ProgramTest):
                 (r"There are 3 file names: .* with --landmarks", (*good, *landmarks)),
                 (r"give the mesh alone with --nearest or --info", (*good, "--info")), (r"0 file names", ("--nearest", "0,0,0")),
                 *((f'"{text}": give three numbers', (self.mesh, "--nearest", text)) for text in ("0,0", "0,0,nan", "0,0,0,0")),
+                (r"--contact without --fit", (*two, "--contact", "--symmetrise")),
                 (r"standard input is named twice", ("-", "out.ply", "-")),
                 (r"cannot be written to the standard output: give a file", (self.mesh, "-", self.edit, "--fractions", "0,1")),
                 *((rf'"{name}" is in no format .* MeshLab or PyMeshLab', (self.mesh, name, self.edit))

@@ -582,6 +582,11 @@ class Editing(unittest.TestCase):
                     numpy.testing.assert_array_equal(editor.pose(), expected)
         text = json.dumps({"laplacian_edit": 1, "steps": [PULL]})
         numpy.testing.assert_array_equal(Editor(points, faces, text).pose(), edit(points, faces, text).vertices)
+        flat = {"region": {"vertices": numpy.linalg.norm(points - points[220], axis=1) < 4}, "detail": 0}
+        numpy.testing.assert_array_equal(Editor(points, faces, flat).pose(), edit(points, faces, {"steps": [flat]}).vertices)
+        by_position = {"mesh": {"positions": {"vertices": "220", "points": [points[90]]}}, "steps": [PULL]}
+        editor = Editor(points, faces, by_position)
+        numpy.testing.assert_array_equal(editor.pose({"translation": [0.5, 0, 4]}), edit(points, faces, by_position).vertices)
 
     def test_region_and_nearest(self):
         points, faces = grid()

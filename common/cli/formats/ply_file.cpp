@@ -119,7 +119,8 @@ class PlyReader {
       } else if (word.empty()) {
         return false;
       } else if (word == "comment" && text_.wordOfLine() == "TextureFile") {
-        const std::size_t at = text_.at() + sizeof("TextureFile");
+        text_.wordOfLine();
+        const std::size_t at = text_.at();
         file().texture = file().bytes.substr(at, file().bytes.find_first_of("\r\n", at) - at);
       } else if (word != "comment" && word != "obj_info") {
         text_.refuse("there is no such line in a header");

@@ -123,10 +123,7 @@ ContactPose::ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPos
   resting_.conservativeResize(resting, 3);
   number(moving);
   surface_ = std::make_unique<ContactSurface>(gather(vertices_, mesh_vertex_), std::move(moving));
-  // Most poses are within a box of twice the size.
-  const Eigen::AlignedBox3d box = bounding_box(rest_->local);
-  const Vector3 more = 0.5 * box.sizes();
-  set_resting(Eigen::AlignedBox3d(box.min() - more, box.max() + more));
+  set_resting(bounding_box(rest_->local));
 }
 
 ContactPose::~ContactPose() = default;
@@ -143,9 +140,10 @@ void ContactPose::number(Faces& faces) {
   }
 }
 
-/// Gives the surface the faces that rest in a box.
+/// Gives the surface the faces that rest in a box of twice the size, which most poses do not leave.
 void ContactPose::set_resting(const Eigen::AlignedBox3d& box) {
-  box_ = box;
+  const Vector3 margin = 0.5 * box.sizes();
+  box_ = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
   for (; mesh_vertex_.size() > static_cast<std::size_t>(surface_->moving_vertices()); mesh_vertex_.pop_back()) {
     local_[mesh_vertex_.back()] = -1;
   }
@@ -334,7 +332,8 @@ bool ContactPose::attempt(const Points& plain) {
     }
     update_contacts();
     if (sweep.safe == 1 && !limited) {
-      return true;
+      // Sweeps skip smooth patches, and faces that rest outside the box.
+      return box_.contains(bounding_box(pose_)) && surface_->is_clear(whole(pose_), *system_->pool);
     }
   }
   return false;

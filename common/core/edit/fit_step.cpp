@@ -34,6 +34,13 @@ std::vector<FitLandmark> landmarks_of(const EditStep& step) {
   }
   std::sort(landmarks.begin(), landmarks.end(),
             [](const FitLandmark& a, const FitLandmark& b) { return a.vertex < b.vertex; });
+  const auto twice = std::adjacent_find(landmarks.begin(), landmarks.end(),
+                                        [](const auto& a, const auto& b) { return a.vertex == b.vertex; });
+  if (twice != landmarks.end()) {
+    throw EditError(ErrorCause::BadParameter,
+                    "Vertex " + std::to_string(twice->vertex) + " has two landmarks: keep one of them.", twice->vertex)
+        .at("handles");
+  }
   return landmarks;
 }
 
@@ -169,6 +176,9 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
                     "A fit keeps the details that fit.detail says: remove the key detail of the step, or apply it in a "
                     "step of its own.")
         .at("detail");
+  }
+  if (step.settings.contact) {
+    throw EditError(ErrorCause::BadParameter, "A fit does not stop at contact: remove the key contact.").at("contact");
   }
   std::vector<FitLandmark> landmarks = landmarks_of(step);
   std::vector<int> handle;

@@ -69,11 +69,23 @@ class VertexTransfer {
     return found;
   }
 
-  /// Returns a region with its vertex set and kept anchors replaced. @throws EditError (BadParameter)
-  RegionSpec images(RegionSpec region) const {
-    if (region.kind != RegionSpec::Kind::Vertices) {
+  /// Replaces a set.
+  void replace(std::vector<int>& set) const {
+    for (const auto& [vertex, member] : images(std::exchange(set, {}))) {
+      set.push_back(vertex);
+    }
+  }
+
+  /// Returns a region with its vertex sets and kept anchors replaced. @param given  whether it lists its vertices
+  /// @throws EditError (BadParameter)
+  RegionSpec images(RegionSpec region, bool given) const {
+    if (!given || region.kind != RegionSpec::Kind::Vertices) {
+      replace(region.held);
       return region;
     }
+    // Others have no effect, and older files have no positions for them.
+    region.held = common(sorted_set(std::move(region.held)), sorted_set(region.vertices));
+    replace(region.held);
     const KeptAnchors kept = std::exchange(region.anchors, {});
     check_anchors(kept, std::numeric_limits<int>::max());
     std::map<int, std::size_t> entry;  // indices of the kept anchors
@@ -258,6 +270,12 @@ void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Se
   for (std::size_t s = 0; s < edit.steps.size(); ++s) {
     EditStep& step = edit.steps[s];
     const std::string key = entry_key("steps", s) + ".";
+    if (to_here) {
+      step.region = to_here->images(std::move(step.region), step.region_query.empty());
+    }
+    if (to_here && step.fit) {
+      to_here->replace(step.fit->exclude);
+    }
     if (!step.region_query.empty()) {
       step.region.vertices = keyed(key + "region", [&] {
         return step.region_query.within
@@ -265,8 +283,6 @@ void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Se
                    : selected(selection.of_faces, selection.vertices, "the region");
       });
       step.region_query = VertexQuery();
-    } else if (to_here) {
-      step.region = to_here->images(step.region);
     }
     std::vector<int> taken;
     for (std::size_t g = 0; g < step.handles.size(); ++g) {
@@ -319,6 +335,8 @@ Edit with_positions(const TriangleMesh& mesh, const Adjacency& adjacency, Edit e
   const auto add = [&named](const std::vector<int>& set) { named.insert(named.end(), set.begin(), set.end()); };
   for (const EditStep& step : edit.steps) {
     add(grown(adjacency, sound(step.region.vertices)));
+    add(grown(adjacency, sound(step.region.held)));
+    add(grown(adjacency, sound(step.fit ? step.fit->exclude : std::vector<int>())));
     for (const HandleGroup& group : step.handles) {
       const std::vector<int> set = sound(group.vertices);
       add(set.size() > 1 && group.targets.empty() ? grown(adjacency, set) : set);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/polar_decomposition.h"
+#include "lapedit/deform/differential_operator.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/fit/correspondences.h"
 #include "lapedit/fit/hidden_pieces.h"
@@ -84,6 +86,7 @@ Fit::Fit(const FitProblem& problem)
     throw EditError(ErrorCause::EmptyMesh, "The region of the fit has no triangles: give a region of the surface.")
         .at("region");
   }
+  refuse_fans(region, 1, std::numeric_limits<int>::max());
   std::vector<char> free(static_cast<std::size_t>(region.size()), 1);  // whether the scan may draw a vertex
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Anchor) {

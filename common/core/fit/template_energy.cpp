@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "lapedit/base/error.h"
@@ -28,7 +27,6 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
     : region_(region), rest_(rest), size_(size), pool_(std::move(pool)) {
   const int n = region.size();
   const CompressedRows& neighbours = region.neighbours;
-  refuse_fans(region, 1, std::numeric_limits<int>::max());
   const DifferentialOperator whole = differential_operator(LaplacianKind::MeanValue, region, mesh, true);
   weights_ = edge_weights(LaplacianKind::MeanValue, region, mesh, true).values;
   mass_.setZero(n);

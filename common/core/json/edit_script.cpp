@@ -494,6 +494,9 @@ void visit(Keys& keys, FitStep& fit) {
   }
   if (keys.has("to")) {
     named_file((*keys.from)["to"]);
+    if (fit.to.empty()) {
+      keys.refuse("to", "is empty; give the file of a scan, or remove the key to make the mesh symmetric.");
+    }
   }
 }
 

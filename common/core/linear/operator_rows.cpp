@@ -60,12 +60,13 @@ OperatorRows::Rows by_rows(const SparseMatrix& matrix) {
 OperatorRows::OperatorRows(const SparseMatrix& matrix, const Eigen::VectorXd& stretch)
     : rows_(by_rows(matrix)), columns_(matrix) {
   for (Eigen::Index i = 0; i < stretch.size(); ++i) {
-    if (stretch[i] != 0) {  // otherwise there may be no such entry
+    if (stretch[i] != 0) {
       columns_.coeffRef(i, i) += stretch[i];
     }
   }
+  columns_.makeCompressed();  // a vertex without neighbours had no entry
   const Eigen::Index entries = columns_.nonZeros();
-  if (columns_.rows() == columns_.cols() &&
+  if (entries > 0 && columns_.rows() == columns_.cols() &&
       std::equal(rows_.outerIndexPtr(), rows_.outerIndexPtr() + rows_.rows() + 1, columns_.outerIndexPtr()) &&
       std::equal(rows_.innerIndexPtr(), rows_.innerIndexPtr() + entries, columns_.innerIndexPtr())) {
     in_rows_.assign(columns_.valuePtr(), columns_.valuePtr() + entries);

@@ -325,10 +325,12 @@ bool ContactSurface::may_touch(const Bounds& a, const Bounds& b) const {
 }
 
 /// Returns whether two nodes, or the same twice, are a connected patch whose normals are within a cone, before and
-/// after the motion. Of two nodes only leaves count.
+/// after the motion. Of two nodes only leaves count. At rest leaves do not, since the outline of a few stretched faces
+/// may overlap.
 bool ContactSurface::is_smooth(int a, int b) const {
   constexpr double kCosine = 0.25;
-  if (!nodes_[a].connected || !nodes_[b].connected || (a != b && (nodes_[a].right >= 0 || nodes_[b].right >= 0))) {
+  if ((margin_ == 0 && nodes_[a].right < 0) || !nodes_[a].connected || !nodes_[b].connected ||
+      (a != b && (nodes_[a].right >= 0 || nodes_[b].right >= 0))) {
     return false;
   }
   const Eigen::Array3d low = node_bounds_[a].normal_low.min(node_bounds_[b].normal_low);

@@ -153,7 +153,9 @@ class Editor:
         self._space = _space(space)
         given = _given(self._mesh, text, self._folder, self._space, selected, selected_faces)
         self._core = _core.Editor(given, _progress(progress))
-        self._groups = [self._vertices(group) for group in json.loads(text)["steps"][0]["handles"]]
+        whole = json.loads(text)
+        self._described = {"mesh": whole["mesh"]} if "mesh" in whole else {}
+        self._groups = [self._vertices(group) for group in whole["steps"][0].get("handles", [])]
 
     def _vertices(self, group: Mapping[str, Any]) -> Dict[str, Any]:
         """Returns the keys of a handle group that say which vertices it has. Landmark files are read now."""
@@ -200,7 +202,8 @@ class Editor:
             motion = _convert.plain(given, len(self._mesh.points), f"handles[{k}]")
             is_named = any(key in motion for key in (*_VERTEX_KEYS, "landmarks"))
             groups.append(motion if is_named else {**own, **motion})
-        return json.dumps({"laplacian_edit": 1, "steps": [{"region": {"component": True}, "handles": groups}]}).encode()
+        steps = [{"region": {"component": True}, "handles": groups}]
+        return json.dumps({"laplacian_edit": 1, **self._described, "steps": steps}).encode()
 
     @property
     def region(self) -> Region:
@@ -276,7 +279,8 @@ def transfer(points: Any, scan: Any, values: Any, within: Optional[float] = None
         EditRefused: for values that do not belong to the scan.
 
     Example:
-        >>> fitted, report = laplacian_edit.edit(template, {"steps": [{"fit": {"to": "scan"}}]}, scans={"scan": scan})  # doctest: +SKIP
+        >>> fitted, report = laplacian_edit.edit(  # doctest: +SKIP
+        ...     template, {"steps": [{"region": {"component": True}, "fit": {"to": "scan"}}]}, scans={"scan": scan})
         >>> colours = laplacian_edit.transfer(fitted, scan, scan.visual.vertex_colors)  # doctest: +SKIP
     """
     vertices, faces, _ = _convert.scan_of(scan, "scan")
