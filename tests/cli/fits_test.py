@@ -165,6 +165,21 @@ class Fits(unittest.TestCase):
         self.assertLess(error(found, bent(arm[0])), 0.02)
         self.assertEqual((self.report["fit"]["scale"], self.report["flipped"]), (1, 0))
 
+    def test_a_thin_plate_keeps_its_sides(self):
+        def plate(around, rings):
+            points, faces = tube(around, rings, 4)
+            return points * (1, 1, 0.01), faces
+
+        def twisted(p):
+            a = np.radians(90) * p[:, 0] / 4
+            return np.stack([p[:, 0], np.cos(a) * p[:, 1] - np.sin(a) * p[:, 2], np.sin(a) * p[:, 1] + np.cos(a) * p[:, 2]], 1)
+        template, (points, faces) = plate(48, 60), plate(70, 83)
+        truth, marks = twisted(template[0]), np.array((0, 24, 48 * 59, 48 * 59 + 24))
+        self.assertGreater(error(template[0], truth), 0.1)
+        found = self.fit(mesh=template, scan=(twisted(points), faces), landmarks=(marks, truth[marks]), mode="pose")
+        self.assertLess(error(found, truth), 0.012)
+        self.assertEqual((self.report["advice"] or "", self.report["flipped"]), ("", 0))
+
     def test_what_is_outside_of_a_part_stays(self):
         away = np.linalg.norm(HEAD[0] - (0, -0.1, 1.2), axis=1)
         bulged = HEAD[0] + np.where(away < 0.5, 0.2 * (1 - (away / 0.5) ** 2) ** 2, 0)[:, None] * Z

@@ -69,12 +69,26 @@ Correspondences::Correspondences(const Scan& scan, const SurfaceIndex& surface, 
 void Correspondences::look(const SurfaceIndex& on, const Vector3& point, const Vector3& normal, Pair& pair) const {
   // A cloud has no border. Beyond its end the nearest point lies sideways: reject such pairs.
   constexpr double kSideways = 3;
+  // The nearest point of a thin plate may be on its other side.
+  constexpr double kPlate = 0.1;  // of the scan's size
   const bool to_scan = &on == &scan_.surface();
   pair.at = on.nearest(point, pair.at.face);
-  const Vector3 other = side_ * on.normal(pair.at);
-  if (on.ends_at(pair.at) || !(other.norm() > 0) || !(other.dot(normal) >= with_.cosine * other.norm())) {
+  const auto faces_here = [&] {
+    const Vector3 other = side_ * on.normal(pair.at);
+    return other.norm() > 0 && other.dot(normal) >= with_.cosine * other.norm();
+  };
+  if (!on.ends_at(pair.at) && !faces_here()) {
+    const double nearest = pair.at.squared;
+    pair.at = on.nearest_facing(point, side_ * normal, with_.cosine, kPlate);
+    pair.at.squared = nearest;
+    if (pair.at.face < 0) {
+      return;
+    }
+  }
+  if (on.ends_at(pair.at)) {
     return;
   }
+  const Vector3 other = side_ * on.normal(pair.at);
   const Vector3 offset = on.position(pair.at) - point, along = to_scan ? Vector3(other.normalized()) : normal,
                 straight = along.dot(offset) * along;
   if (to_scan && scan_.spacing() > 0 && (offset - straight).norm() > kSideways * scan_.spacing()) {

@@ -212,22 +212,27 @@ void SurfaceIndex::move(const Points& points, ThreadPool& pool) {
   enclose(pool);
 }
 
-NearestPoint SurfaceIndex::nearest(const Vector3& point, int hint) const {
+/// Replaces `best` by the nearest of the accepted points that are nearer. @param hint  as of nearest()
+template <class Accept>
+void SurfaceIndex::search(const Vector3& point, int hint, const Accept& accept, NearestPoint& best) const {
   // Boxes and distances to them are rounded, so the search also visits boxes that are farther by the rounding error.
   constexpr double kRounding = 0x1p-20;
   const double rounding = kRounding * (reach_ + point.cwiseAbs().maxCoeff());
   const float at[] = {static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])};
-  NearestPoint best;
-  best.squared = std::numeric_limits<double>::infinity();
-  float limit = std::numeric_limits<float>::infinity();
+  float limit = 0;
+  const auto update_limit = [&] {
+    const double most = std::sqrt(best.squared) + rounding;
+    limit = static_cast<float>(most * most * (1 + kRounding));
+  };
+  update_limit();
   const auto visit = [&](int face) {
     const Vector3 a = points_.row(faces_(face, 0)).transpose(), b = points_.row(faces_(face, 1)).transpose(),
                   c = points_.row(faces_(face, 2)).transpose(), weights = nearest_weights(point, a, b, c);
     const double squared = (weights[0] * a + weights[1] * b + weights[2] * c - point).squaredNorm();
-    if (squared < best.squared || (squared == best.squared && face < best.face)) {
+    const bool nearer = squared < best.squared || (squared == best.squared && face < best.face);
+    if (nearer && accept(NearestPoint{face, squared, weights})) {
       best = {face, squared, weights};
-      const double most = std::sqrt(squared) + rounding;
-      limit = static_cast<float>(most * most * (1 + kRounding));
+      update_limit();
     }
   };
   visit(std::max(hint, 0));
@@ -263,6 +268,25 @@ NearestPoint SurfaceIndex::nearest(const Vector3& point, int hint) const {
       }
     }
   }
+}
+
+NearestPoint SurfaceIndex::nearest(const Vector3& point, int hint) const {
+  NearestPoint best;
+  best.squared = std::numeric_limits<double>::infinity();
+  search(
+      point, hint, [](const NearestPoint&) { return true; }, best);
+  return best;
+}
+
+NearestPoint SurfaceIndex::nearest_facing(const Vector3& point, const Vector3& normal, double cosine,
+                                          double limit) const {
+  NearestPoint best;
+  best.squared = limit * limit;
+  const auto accept = [&](const NearestPoint& at) {
+    const Vector3 own = this->normal(at);
+    return own.norm() > 0 && own.dot(normal) >= cosine * own.norm();
+  };
+  search(point, -1, accept, best);
   return best;
 }
 

@@ -41,6 +41,9 @@ class SurfaceIndex {
   /// Returns the nearest point, on the face of the lowest number of several.
   /// @param hint  a face that may be near, which makes the search faster; -1: none
   NearestPoint nearest(const Vector3& point, int hint = -1) const;
+  /// Likewise, of points nearer than `limit` whose normals have at least this cosine to a unit one. @return face -1:
+  /// none
+  NearestPoint nearest_facing(const Vector3& point, const Vector3& normal, double cosine, double limit) const;
   Vector3 position(const NearestPoint& at) const { return interpolated(points_, at); }
   Vector3 normal(const NearestPoint& at) const { return interpolated(normals_, at); }  ///< of a length up to 1
   /// Returns whether a nearest point is on the border, so that the surface may end there.
@@ -63,6 +66,8 @@ class SurfaceIndex {
   };
   int build(int* first, int* last, const Points& centres);
   void enclose(ThreadPool& pool);
+  template <class Accept>
+  void search(const Vector3& point, int hint, const Accept& accept, NearestPoint& best) const;
   Vector3 interpolated(const Points& rows, const NearestPoint& at) const;
 
   Points points_;
