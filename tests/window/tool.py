@@ -4,7 +4,6 @@ import contextlib
 import json
 import math
 import re
-import time
 
 from gui import GuiTest
 from host import replay
@@ -73,8 +72,9 @@ class ToolTest(GuiTest):
         return round(left + x), round(top + y)
 
     def settle(self, window):
-        """Until the window has what xdotool sent: X events come by another way than the driver's questions."""
-        time.sleep(0.2)
+        """Until the window has what xdotool sent: X events come by another way than the driver's questions. The X server
+        handles another program's request once it has handled those; idle() takes the events that it then has sent."""
+        window.x("getmouselocation")
         window.idle()
 
     def x_key(self, window, *keys):
