@@ -239,8 +239,5 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
     if (session.motion() && session.motion()->kind() == MotionKind::Rotate) {
       drawTurn(*session.motion(), view, ratio);
     }
-    if (options.colours == Colours::Stretch && session.shown().region()) {
-      legend_.draw(options.height, ratio);
-    }
   }
 }

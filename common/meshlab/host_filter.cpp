@@ -65,9 +65,8 @@ int checked_choice(const Parameter& parameter, int number) {
 bool is_in_dialog() {
   const QWidgetList windows = QApplication::topLevelWidgets();
   return QApplication::activeModalWidget() == nullptr &&
-         std::any_of(windows.begin(), windows.end(), [](const QWidget* window) {
-           return window->findChild<QWidget*>("layerDialog") != nullptr;
-         });
+         std::any_of(windows.begin(), windows.end(),
+                     [](const QWidget* window) { return window->findChild<QWidget*>("layerDialog") != nullptr; });
 }
 
 /// Returns the name of a layer that was chosen from a list; none if it was not.
