@@ -295,6 +295,9 @@ void SessionSolver::discard() {
     model_.show_region(std::move(awaited));
   }
   model_.back_to_mesh(true);
+  if (elsewhere && model_.selection.by_hand && model_.groups().empty()) {
+    model_.show_by_hand();
+  }
   if (elsewhere) {
     prepare();
   }
@@ -338,7 +341,7 @@ void SessionSolver::begin_detail(bool open) {
     return;
   }
   EditStep step;
-  step.region = with_region_kept(surface(), selection).region;
+  step.region = (selection.by_hand ? with_margin : with_region_kept)(surface(), selection).region;
   step.mirror = model_.tools.mirror;
   step.settings = model_.settings.edit;
   phase_ = Adjusting{std::move(step), model_.history.mesh(), {}, true, open};
@@ -406,12 +409,11 @@ void SessionSolver::request_adjusted(bool prepares) {
 void SessionSolver::show_adjusted(const Adjusting& adjusting) {
   const std::vector<int>& vertices = adjusting.region->mesh_vertex;
   ShownRegion& shown = model_.shown;
-  if (shown.region() && shown.region()->mesh_vertex == vertices) {
-    shown.pose(solved_.positions);
-    model_.show(vertices, shown.pose(), false);
-  } else {
-    model_.show(vertices, solved_.positions, false);
+  if (!shown.region() || shown.region()->mesh_vertex != vertices) {
+    model_.show_region(adjusting.region);
   }
+  shown.pose(solved_.positions);
+  model_.show(vertices, shown.pose(), false);
 }
 
 void SessionSolver::load(Edit edit) {
@@ -474,9 +476,14 @@ void SessionSolver::commit_adjusted() {
   model_.show(applied.vertices, applied.after, true);
   model_.log(messages::step_adjusted(history.steps().size(), adjusting.is_new, region->size(),
                                      figures_.prepare_ms.value_or(0), figures_.solve_ms.value_or(0)));
-  model_.show_region(region);
-  model_.selection.region = std::move(adjusting.step.region);
-  model_.selection.has_region = true;
+  Selection& selection = model_.selection;
+  if (selection.by_hand && adjusting.step.handles.empty()) {
+    model_.show_by_hand();  // without the margin
+  } else {
+    model_.show_region(region);
+    selection.region = std::move(adjusting.step.region);
+    selection.has_region = true;
+  }
   progress();
 }
 
