@@ -421,7 +421,7 @@ Selection with_margin(const Surface& surface, const Selection& selection) {
       return at >= 0 && !seen[at];
     });
   }
-  for (int k = 0; k < (depth + 1) / 2; ++k) {
+  for (int k = 0; k < (3 * depth + 3) / 4; ++k) {
     edge = ring_at(edge, [&](int w) { return !is_inside(w); });
     region = united(region, edge);
   }

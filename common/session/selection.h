@@ -133,8 +133,8 @@ Choice with_region(const Surface& surface, const Selection& selection, std::vect
 Choice whole_component(const Surface& surface, Selection selection);
 Choice grown_by_a_ring(const Surface& surface, const Selection& selection);
 Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection);
-/// Returns a painted region for another detail: with a margin of half of its half width, in rings. Otherwise the slopes
-/// of a dent at its edge, which stay, would keep a part of it.
+/// Returns a painted region for another detail: with a margin of three quarters of its half width, in rings. Otherwise
+/// the slopes of a dent at its edge, which stay, would keep a part of it.
 Selection with_margin(const Surface& surface, const Selection& selection);
 /// Computes the data of discs once their groups are known: their actual radius (smaller on a coarse mesh), the start of
 /// the region's radius, and weights.

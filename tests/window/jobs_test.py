@@ -50,15 +50,27 @@ class Jobs(ToolTest):
         self.stroke(w, [tuple(round(m + r * f(2 * math.pi * k / 24)) for m, r, f in zip(middle, radii, (math.cos, math.sin)))
                         for k in range(25)], *keys)
 
+    def slide_to_flat(self, w):
+        x, y, width, height = w.widget(part("detail"))["rectangle"]
+        row = round(y + height / 2)
+        self.stroke(w, [(round(x + width / 2), row), (round(x + width / 4), row), (round(x - 5), row)])
+        self.assertLess(max(abs(z) for _, _, z in w.dump().triples()), 0.01 * self.DEPTH)
+
+    def test_a_dent_painted_up_to_its_rim_becomes_flat_in_two_actions(self):
+        """With a lasso a third of the way from half of the depth to none."""
+        with self.start(self.dent, disc=20) as w:
+            ring = [self.MIDDLE + k * step for k in (-7, 7) for step in (1, self.SIDE)]
+            w.x_focus()
+            self.lasso(w, ring, "ctrl", "alt", margin=-0.22 * math.dist(w.pixel(ring[0]), w.pixel(ring[2])))  # 1
+            self.slide_to_flat(w)  # 2
+            self.assert_replay_is_the_same(w, self.dent)
+
     def test_a_dent_becomes_flat_in_two_actions(self):
         with self.start(self.dent, disc=20) as w:
             before = w.dump()
             w.x("mousemove", *self.on_screen(w, self.MIDDLE), "sleep", 0.3, "click", 1)  # 1
             self.settle(w)
-            x, y, width, height = w.widget(part("detail"))["rectangle"]
-            row = round(y + height / 2)
-            self.stroke(w, [(round(x + width / 2), row), (round(x + width / 4), row), (round(x - 5), row)])  # 2
-            self.assertLess(max(abs(z) for _, _, z in w.dump().triples()), 0.01 * self.DEPTH)
+            self.slide_to_flat(w)  # 2
             step, = self.steps_of(w)
             self.assertEqual(step["detail"], 0)
             self.assertNotIn("handles", step)

@@ -110,6 +110,28 @@ class Keep(ToolTest):
 
 
 class FilterInTheWindow(ToolTest):
+    def test_scan_is_chosen_among_the_other_layers(self):
+        """The history, and so scripts, have its name."""
+        points, faces = dome(self.ROWS, self.ROWS)
+        for k, name in enumerate(("low", "high"), 1):
+            write_ply(self.folder / f"{name}.ply", [(x, y, (1 + k / 2) * z) for x, y, z in points], faces)
+        with self.open(self.mesh, self.folder / "low.ply", self.folder / "high.ply") as w:
+            w.layer(0, current=True)
+            w.trigger("Laplacian Fit")
+            scans, = [v for v in w.ask("widgets", prefix="")["widgets"] if v.get("currentText") == "low.ply"]
+            self.assertEqual(scans["count"], 2)
+            x, y, width, height = scans["rectangle"]
+            w.x_focus()
+            w.x("mousemove", x + width // 2, y + height // 2, "click", 1)
+            self.settle(w)
+            self.x_key(w, "Down", "Return")
+            w.press_button(text="Apply")
+            w.press_button(text="Close")
+            fitted = w.dump(0)
+            self.assertAlmostEqual(max(z for _, _, z in fitted.triples()), 2 * max(z for _, _, z in points), delta=0.02)
+            entry = w.history()[-1]
+            self.assertEqual((entry["name"], entry["texts"]), ("Laplacian Fit", {"scan": "high.ply"}))
+
     def test_refusal_is_in_a_box_and_in_the_log(self):
         # The default handle is at the origin.
         away = write_ply(self.folder / "away.ply", *moved((self.points, self.faces), offset=(30, 0, 0)))

@@ -135,7 +135,7 @@ Answer list_widgets(const QJsonObject& arguments) {
   const QWidget* inside = arguments.contains("inside") ? &widget({{"name", arguments["inside"]}}) : nullptr;
   QJsonArray found;
   for (const QWidget* candidate : QApplication::allWidgets()) {
-    if (inside ? inside->isAncestorOf(candidate) : candidate->objectName().startsWith(prefix)) {
+    if (inside ? inside->isAncestorOf(candidate) : prefix.isEmpty() || candidate->objectName().startsWith(prefix)) {
       found += describe(*candidate);
     }
   }
