@@ -416,9 +416,12 @@ class Events:
 
     def dialog(self):
         """An edit is saved or loaded; the mouse and keys go on while the dialog is open."""
-        path = self.test.folder / "random.json"
+        saved, kept = (self.test.folder / name for name in ("saved.json", "kept.json"))
         for name in ("save", "load"):
             self.resume()
+            if saved.exists():
+                saved.replace(kept)  # another file of its name would open a further dialog
+            path = saved if name == "save" else kept
             if self.w.widget(part(name))["enabled"] and (name == "save" or path.exists()):
                 self.w.ask("set", name=part(name), value=True)
                 self.w.wait_dialog()
