@@ -61,8 +61,7 @@ constexpr const char* kNoBoundary =
 constexpr const char* kNothingLeft = "The region would have no vertices left: it was not changed.";
 constexpr const char* kRegionNotKnown = "The region is still being computed: wait a moment.";
 constexpr const char* kNotSymmetric = "No plane was found at which the mesh mirrors itself: choose X, Y or Z instead.";
-constexpr const char* kNoAnchors =
-    "None of these vertices can be kept fixed: choose vertices inside the region that are in no handle.";
+constexpr const char* kNothingHeld = "None of these vertices is kept fixed.";
 constexpr const char* kNothingPainted = "Nothing is painted that could be changed: paint first.";
 constexpr const char* kNothingToHold = "These vertices are already kept fixed, or are in a handle: paint others.";
 constexpr const char* kNoMotion =

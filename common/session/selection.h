@@ -105,7 +105,6 @@ struct Surface {
   const Region* region = nullptr;  ///< the selection's, classified; null if there is none or it is not known yet
   bool prepared = false;           ///< the region's distances and anchors belong to the selection's handles
   DiscSearch* discs = nullptr;     ///< over the mesh; null: made where it is needed, which is O(mesh)
-  bool computing = false;          ///< the region or its anchors will be known soon
 };
 
 // Clicks on a vertex -------------------------------------------------------------------------------------------------

@@ -92,8 +92,7 @@ Surface SessionSolver::surface() {
           model_.settings,
           model_.shown.region().get(),
           preparation_.has_preview,
-          search ? &search->discs() : nullptr,
-          preparation_.running};
+          search ? &search->discs() : nullptr};
 }
 
 DragFigures SessionSolver::figures() const {
