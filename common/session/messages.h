@@ -105,9 +105,8 @@ std::string saved_step(const EditStep& step, const std::vector<int>& moved);
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";
 constexpr const char* kNotPossible = "not possible: %s";
-std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
-                         double prepare_ms, double solve_ms);
-std::string step_adjusted(std::size_t number, bool is_new, int region_size, double prepare_ms, double solve_ms);
+std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size);
+std::string step_adjusted(std::size_t number, bool is_new, int region_size);
 std::string edit_applied(std::size_t steps);
 constexpr const char* kLoadedStepAdvice = "step %zu of the saved edit: %s";
 constexpr const char* kStepChanged = "step %zu %s";

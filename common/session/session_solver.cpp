@@ -140,7 +140,6 @@ void SessionSolver::request_preparation(PrepareTask task) {
 }
 
 void SessionSolver::prepare() {
-  figures_.prepare_ms = std::nullopt;
   ToolState& tools = model_.tools;
   tools.mirrored.reset();
   const Selection& selection = model_.selection;
@@ -280,7 +279,6 @@ void SessionSolver::release() {
 }
 
 void SessionSolver::discard() {
-  figures_.solve_ms = std::nullopt;
   figures_.report = nullptr;
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Adjusting>();  // the worker has prepared another region than the selection's
@@ -449,8 +447,7 @@ void SessionSolver::commit_drag() {
   model_.timeline.add({drag.motion.text(), true, selection});
   model_.show(applied.vertices, applied.after, true);
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
-                                    model_.shown.region()->size(), figures_.prepare_ms.value_or(0),
-                                    figures_.solve_ms.value_or(0)) +
+                                    model_.shown.region()->size()) +
              (figures_.advice().empty() ? "" : "; " + figures_.advice()));
   progress();
 }
@@ -473,8 +470,7 @@ void SessionSolver::commit_adjusted() {
     model_.timeline.add({messages::saved_step(adjusting.step, {}), true, model_.selection});
   }
   model_.show(applied.vertices, applied.after, true);
-  model_.log(messages::step_adjusted(history.steps().size(), adjusting.is_new, region->size(),
-                                     figures_.prepare_ms.value_or(0), figures_.solve_ms.value_or(0)));
+  model_.log(messages::step_adjusted(history.steps().size(), adjusting.is_new, region->size()));
   Selection& selection = model_.selection;
   if (selection.by_hand && adjusting.step.handles.empty()) {
     model_.show_by_hand();  // without the margin
@@ -542,7 +538,6 @@ bool SessionSolver::take_pose() {
         solved_.positions.rows() != adjusting->region->size()) {
       return false;
     }
-    figures_.solve_ms = solved_.solve_ms;
     if (adjusting->open || solved_.serial != adjusting->serial) {
       show_adjusted(*adjusting);
       return false;
@@ -554,7 +549,6 @@ bool SessionSolver::take_pose() {
   if (!drag || solved_.serial < drag->first_serial) {
     return false;
   }
-  figures_.solve_ms = solved_.solve_ms;
   ShownRegion& shown = model_.shown;
   if (std::shared_ptr<const Region> awaited = shown.take_awaited()) {
     model_.back_to_mesh(false);
@@ -604,7 +598,6 @@ SessionSolver::Response SessionSolver::poll() {
     preparation_ = Preparation();
     preparation_.has_preview = preparation_.ready = true;
     figures_.full_frames = update.full_frames;
-    figures_.prepare_ms = update.prepare_ms;
   }
   if (update.report) {
     figures_.report = update.report;

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
-#include "lapedit/base/stopwatch.h"
 #include "lapedit/session/background_task.h"
 
 namespace lapedit {
@@ -74,7 +73,6 @@ enum class Remaining {
 struct Work {
   std::shared_ptr<StepSolver> solver;
   int generation = -1;                            ///< of the solver
-  Stopwatch watch;                                ///< since the preparation began
   std::shared_ptr<const LaplacianSystem> system;  ///< the newest, to be reused
   std::vector<HandleMotion> maps;
   int serial = 0;
@@ -187,7 +185,6 @@ struct SolverThread::Impl {
     publish(mine, [&] {
       SolverUpdate& update = response.update;
       update.preview = update.ready = true;
-      update.prepare_ms = work.watch.elapsed();
       update.full_frames = !has_frames();
     });
   }
@@ -208,7 +205,6 @@ struct SolverThread::Impl {
     const Progress progress_here = progress_of(mine);
     const ProgressScope scope(progress_here);
     background.cancel();
-    work.watch = Stopwatch();
     validate(task.settings);
     report_progress(0, "region");
     const FoundRegion found = find_region(*task.mesh, *task.adjacency, task.region, task.groups, task.weights);
@@ -280,7 +276,6 @@ struct SolverThread::Impl {
   /// @param exactly  false: there is no system yet, and frames are poses of the cells. In response to a final request
   /// such a pose has the serial number before that of the request, so that it does not count as the final pose
   void solve(int mine, bool last, bool exactly) {
-    const Stopwatch watch;
     const Progress keep_going = [this, mine](double, const char*) { return generation == mine; };
     const bool full = last && exactly;
     bool is_frame = !full && has_frames();
@@ -301,7 +296,6 @@ struct SolverThread::Impl {
     if (!is_frame) {
       work.pose.positions = work.solver->pose(work.maps);
     }
-    work.pose.solve_ms = watch.elapsed();
     const auto report = full ? std::make_shared<const EditReport>(work.solver->report()) : nullptr;
     const Remaining then = is_frame ? Remaining::Pose : full ? Remaining::Nothing : Remaining::Report;
     publish_pose(mine, last && !exactly ? work.serial - 1 : work.serial, then, report);
@@ -333,7 +327,6 @@ struct SolverThread::Impl {
     bool failed = false;
     const std::string error = message_of([&] {
       const ProgressScope scope(keep_going);
-      const Stopwatch watch;
       if (!is_frame) {
         const auto report = std::make_shared<const EditReport>(work.solver->report());
         publish(mine, [&] {
@@ -341,7 +334,6 @@ struct SolverThread::Impl {
           response.update.report = report;
         });
       } else if (work.solver->refine(work.pose.positions)) {
-        work.pose.solve_ms = watch.elapsed();
         publish_pose(mine, work.serial, work.solver->settled() ? Remaining::Report : Remaining::Passes);
       } else {
         failed = true;
