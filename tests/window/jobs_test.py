@@ -79,6 +79,35 @@ class Jobs(ToolTest):
             self.assert_same(before, w.dump())
             self.assertEqual(w.widget(part("detail"))["value"], 100)
 
+    def test_a_pipe_is_bent_by_30_degrees_in_six_actions(self):
+        around, along = 24, 61
+        points = [(k / (along - 1), 0.08 * math.sin(2 * math.pi * j / around), 0.08 * math.cos(2 * math.pi * j / around))
+                  for k in range(along) for j in range(around)]
+        corner = lambda k, j: k * around + j % around  # noqa: E731
+        faces = [f for k in range(along - 1) for j in range(around) for f in (
+            (corner(k, j), corner(k + 1, j + 1), corner(k + 1, j)), (corner(k, j), corner(k, j + 1), corner(k + 1, j + 1)))]
+        pipe = write_ply(self.folder / "pipe.ply", points, faces)
+        with self.start(pipe, disc=20) as w:
+            before = w.dump()
+            w.x_focus()
+            w.x("mousemove", *self.on_screen(w, corner(57, 0)), "sleep", 0.3, "click", 1)  # 1
+            self.settle(w)
+            w.x("click", "--repeat", 12, 4)  # 2: the wheel
+            self.settle(w)
+            self.x_key(w, "p", "p")  # 3
+            self.x_key(w, "r", "z", "3", "0", "Return")  # 4 to 6
+            rotation = self.steps_of(w)[0]["handles"][0]["rotation"]
+            self.assertEqual((abs(rotation["degrees"]), rotation["axis"]), (30, [0, 0, 1]))
+            # The middle of the pipe at the handle goes around the pivot.
+            (x, y, z), (u, v, t) = ([sum(c) / around for c in zip(*dump.triples()[corner(57, 0):corner(58, 0)])]
+                                    for dump in (before, w.dump()))
+            at = rotation["center"]
+            turned = math.atan2(v - at[1], u - at[0]) - math.atan2(y - at[1], x - at[0])
+            self.assertAlmostEqual(abs(math.degrees(turned)), 30, delta=2)
+            self.assertLess(abs(t - z), 0.01)
+            self.assertFalse(before.moved(w.dump()) & set(range(12 * around)))
+            self.assert_replay_is_the_same(w, pipe)
+
     def test_a_mouth_is_closed_in_four_actions(self):
         def gap():
             heights = [w.dump().triples()[v][1] for v in self.lips]
