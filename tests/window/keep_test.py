@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings, and what is kept of an edit: JSON, filter script, filter history."""
+"""What is kept of an edit: JSON, filter script, filter history."""
 import json
 import os
 import re
@@ -11,28 +11,6 @@ from tool import ToolTest, numbers_of, part
 from host import replay
 from ply import Ply, bits_of, write_ply
 from shapes import dome, moved
-
-
-class Settings(ToolTest):
-    CHANGES = [("method", 1, "method", "paper"), ("membrane", 20, "membrane", 20),
-               ("method", 2, "method", "linear")]
-
-    def test_each_setting_solves_the_last_step_again(self):
-        with self.start(self.mesh) as w:
-            self.pull(w, self.CENTRE, (40, -60))
-            seen = [w.dump()]
-            for widget, value, key, expected in self.CHANGES:
-                with self.subTest(widget):
-                    w.set(part(widget), value)
-                    self.assertNotEqual(w.dump().point_bits(), seen[-1].point_bits())
-                    seen.append(w.dump())
-                    steps = self.steps_of(w)
-                    self.assertEqual(len(steps), 1)
-                    self.assertEqual(steps[0][key], expected)
-                    self.assert_replay_is_the_same(w, self.mesh)
-            w.set(part("padding"), 40)
-            self.assertEqual(self.steps_of(w)[0]["region"]["padding"], 0.4)
-            self.assert_replay_is_the_same(w, self.mesh)
 
 
 class Keep(ToolTest):
