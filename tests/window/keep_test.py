@@ -106,7 +106,7 @@ class FilterInTheWindow(ToolTest):
             w.press_button(text="Apply")
             w.press_button(text="Close")
             fitted = w.dump(0)
-            self.assertAlmostEqual(max(z for _, _, z in fitted.triples()), 2 * max(z for _, _, z in points), delta=0.02)
+            self.assertGreater(max(z for _, _, z in fitted.triples()), 1.8 * max(z for _, _, z in points))  # low has 1.5
             entry = w.history()[-1]
             self.assertEqual((entry["name"], entry["texts"]), ("Laplacian Fit", {"scan": "high.ply"}))
 
