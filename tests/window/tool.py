@@ -91,7 +91,7 @@ class ToolTest(GuiTest):
 
     def steps_in_log(self, window):
         """One match per applied step: handle size and region size."""
-        lines = [re.match(r"step (\d+): .*handle of (\d+) vert.*, region of (\d+) vertices(?:[,;] .*)?$", line)
+        lines = [re.match(r"step (\d+): .*handle of (\d+) vert.*, region of (\d+) vertices(?:; .*)?$", line)
                  for line in self.log_of_tool(window)]
         return [{"step": int(m[1]), "handle": int(m[2]), "region": int(m[3])} for m in lines if m]
 
