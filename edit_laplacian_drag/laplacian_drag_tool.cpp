@@ -128,9 +128,6 @@ bool LaplacianDragTool::begin() {
   }
   try {
     active_ = resume ? known : &shared_->make(layer->id, *layer->mesh);
-    if (resume) {
-      active_->writer().keep_normals(*layer->mesh);
-    }
     active_->leftBy = nullptr;
   } catch (const EditError& error) {
     say(error.what());

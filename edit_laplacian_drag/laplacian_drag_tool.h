@@ -50,7 +50,7 @@ class LaplacianDragTool : public QObject {
   bool start(GLArea* area, MLSceneGLSharedDataContext* shared);
   void end();
   void changeLayer(GLArea* area, MLSceneGLSharedDataContext* shared);
-  void draw();
+  void draw(QPainter& painter);
   /// Handles an event of mouse or keys, which MeshLab or eventFilter() passes.
   void input(QEvent& event);
 
@@ -68,7 +68,7 @@ class LaplacianDragTool : public QObject {
   void keyEvent(QKeyEvent& event);
   bool begin();
   void leave();
-  void drawAll();
+  void drawAll(QPainter& painter);
   std::optional<lapedit::host::Layer> usableLayer();
   bool showNothing(const QString& reason);
   bool isStale();
@@ -97,9 +97,9 @@ class LaplacianDragTool : public QObject {
   void askToLoad(const lapedit::host::Layer& layer);
   void load(const QString& path, int id);
   void takeKeys();
-  LinePicture::Line line(bool usable);
+  StatusLine line(bool usable);
   QVector<QPointF> notToCover() const;
-  void drawLine(const LinePicture::Line& line);
+  void drawTexts(QPainter& painter, const StatusLine& line, bool hasLegend);
   bool pressLine();
   bool isCovered();
   void showWarning();
@@ -112,7 +112,7 @@ class LaplacianDragTool : public QObject {
   lapedit::host::HostView window_{kTitle};
   QPointer<WindowSessions> shared_;
   Overlay overlay_;
-  LinePicture linePicture_;
+  QRect line_;  // of the line over the picture
   struct Shown {
     bool warning = false;  // whether colours show the warning, until there is none
     bool keys = false;

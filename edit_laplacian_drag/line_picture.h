@@ -1,47 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <QImage>
+#include <QPainter>
 #include <QPointF>
-#include <QRectF>
-#include <QSize>
+#include <QRect>
 #include <QString>
 #include <QVector>
 
-/// The legend of the colours of stretch. Draws with the current OpenGL context, in pixels of the view.
-class StretchLegend {
+// Texts over the picture, in pixels of the view, which is the painter's window.
+
+/// Lets a painter of MeshLab's view draw during its lifetime, and restores OpenGL's state afterwards.
+class PaintsTexts {
  public:
-  /// Draws at the left, above MeshLab's own lines. @param height  of the view
-  void draw(double height, double pixelRatio);
+  explicit PaintsTexts(QPainter& painter);
+  ~PaintsTexts();
+  PaintsTexts(const PaintsTexts&) = delete;
+  PaintsTexts& operator=(const PaintsTexts&) = delete;
 
  private:
-  QImage picture_;
+  QPainter& painter_;
 };
 
-/// The line over the picture, and the table of keys. Draws with the current OpenGL context, in pixels of the view.
-class LinePicture {
- public:
-  struct Line {
-    QString text;      ///< what happens, or what the next click does
-    QString warning;   ///< shown in another colour; empty: none
-    QString position;  ///< vertex under the cursor; empty: none
-    bool operator==(const Line& other) const {
-      return text == other.text && warning == other.warning && position == other.position;
-    }
-  };
-
-  /// Draws at the top of the view, or at its bottom if the line would cover a pixel to avoid.
-  /// @param avoid  pixels that the line should not cover
-  void draw(const Line& line, const QSize& view, double pixelRatio, const QVector<QPointF>& avoid);
-  /// Draws the table in the middle of the view.
-  void drawKeys(const QSize& view, double pixelRatio);
-  /// Returns the rectangle of the line that was drawn last, in pixels of the view.
-  const QRectF& rectangle() const { return rectangle_; }
-
- private:
-  Line line_;
-  QImage picture_, keys_;
-  QSize view_;
-  double pixelRatio_ = 0;
-  QRectF rectangle_;
+/// The line over the picture.
+struct StatusLine {
+  QString text;           ///< what happens, or what the next click does
+  QString warning = {};   ///< shown in another colour; empty: none
+  QString position = {};  ///< vertex under the cursor; empty: none
 };
+
+/// Draws the line at the top of the view, or at its bottom if it would cover a pixel to avoid.
+/// @param avoid  pixels that the line should not cover. @return its rectangle
+QRect drawLine(QPainter& painter, const StatusLine& line, const QVector<QPointF>& avoid);
+
+/// Draws the table of keys in the middle of the view.
+void drawKeys(QPainter& painter);
+
+/// Draws the legend of the colours of stretch at the left, above MeshLab's own lines.
+void drawLegend(QPainter& painter);

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "lapedit/session/drag_session.h"
-#include "line_picture.h"
 #include "surface_picture.h"
 
 /// Shows region, handles, motion, gizmo and the preview of a press for one session. Only reads the session.
@@ -33,7 +32,6 @@ class Overlay {
   void drawPlane(const lapedit::DragSession& session, double pixelRatio);
 
   SurfacePicture surface_;
-  std::optional<lapedit::Gizmo> gizmo_;  // before the motion
-  StretchLegend legend_;
+  std::optional<lapedit::Gizmo> gizmo_;     // before the motion
   std::optional<Eigen::AlignedBox3d> box_;  // of the mesh at the beginning
 };

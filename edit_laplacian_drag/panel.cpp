@@ -102,13 +102,39 @@ void Panel::show(const DragSession* session) {
   if (!has) {
     return;
   }
-  remembered_.keep(*session);
+  for (const Remembered& value : remembered_) {
+    const double now = value.access.get(*session);
+    if (session->tools().gizmo_by_click && value.part == "gizmo") {
+      continue;
+    }
+    if (!stored_.contains(value.part) || stored_[value.part] != now) {
+      file_.setValue("panel/" + value.part, stored_[value.part] = now);
+    }
+  }
   for (const auto& bring : shown_) {
     bring(*session);
   }
   showCommands(*session);
   showHistory(session->timeline());
   showFigures(*session);
+}
+
+void Panel::remember(const char* part, double high, const Access& access) {
+  bool isNumber = false;
+  const double value = file_.value(QString("panel/") + part).toDouble(&isNumber);
+  if (isNumber && value >= 0 && value <= high) {
+    stored_[part] = value;
+  }
+  remembered_.push_back({part, high, access});
+}
+
+void Panel::recall(DragSession& session) const {
+  for (const Remembered& value : remembered_) {
+    if (const auto stored = stored_.find(value.part); stored != stored_.end()) {
+      value.access.set(session, *stored);
+    }
+  }
+  session.forget_refusal();
 }
 
 void Panel::showCommands(const DragSession& session) {

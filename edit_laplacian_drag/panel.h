@@ -3,7 +3,9 @@
 
 #include <QDockWidget>
 #include <QLabel>
+#include <QMap>
 #include <QPointer>
+#include <QSettings>
 #include <QString>
 #include <functional>
 #include <map>
@@ -11,7 +13,6 @@
 #include <vector>
 
 #include "lapedit/session/drag_session.h"
-#include "remembered_settings.h"
 #include "surface_picture.h"
 
 class QCheckBox;
@@ -43,7 +44,9 @@ class Panel : public QDockWidget {
   void show(const lapedit::DragSession* session);
   Colours colours() const;
   void setColours(Colours colours);
-  RememberedSettings& remembered() { return remembered_; }
+  /// Applies the values stored by earlier runs of MeshLab to a new session. Sizes are not stored: they belong to a
+  /// mesh.
+  void recall(lapedit::DragSession& session) const;
 
  signals:
   /// Emitted when a value was edited.
@@ -68,6 +71,9 @@ class Panel : public QDockWidget {
   /// @param factor  shown value over stored value
   template <auto member, int factor = 1>
   static Access access();
+
+  /// Stores a value between runs of MeshLab. @param high  its largest value; the smallest is 0
+  void remember(const char* part, double high, const Access& access);
 
   void addBasic();
   void addRegion();
@@ -123,7 +129,14 @@ class Panel : public QDockWidget {
   QVBoxLayout* column_;
   QFormLayout* form_ = nullptr;     ///< of the current group
   lapedit::DragSettings defaults_;  ///< of the mesh
-  RememberedSettings remembered_;
+  struct Remembered {
+    QString part;
+    double high;
+    Access access;
+  };
+  std::vector<Remembered> remembered_;
+  QMap<QString, double> stored_;
+  QSettings file_{"laplacian-edit", "laplacian-drag"};
   lapedit::Vector3 middle_ = lapedit::Vector3::Zero();
   std::vector<std::function<void(const lapedit::DragSession&)>> shown_;  ///< one per value
   std::vector<QLabel*> titles_;                                          ///< of rows

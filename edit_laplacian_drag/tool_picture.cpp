@@ -12,7 +12,6 @@
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit_host/mesh_bridge.h"
 #include "laplacian_drag_tool.h"
-#include "pen.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -58,12 +57,12 @@ double distanceAbout(const CMeshO& mesh, const Vector3& point) {
 
 }  // namespace
 
-void LaplacianDragTool::draw() {
-  guarded([this] { drawAll(); });
+void LaplacianDragTool::draw(QPainter& painter) {
+  guarded([&] { drawAll(painter); });
 }
 
 /// Draws over the scene. The modelview matrix is that of the world.
-void LaplacianDragTool::drawAll() {
+void LaplacianDragTool::drawAll(QPainter& painter) {
   if (isStale()) {
     later([this] { isStale() && begin(); });
   }
@@ -73,6 +72,7 @@ void LaplacianDragTool::drawAll() {
   if (std::exchange(mouse_.asks, false)) {
     offerLayer();
   }
+  bool hasLegend = false;
   if (layer) {
     glMatrixMode(GL_MODELVIEW);
     glPushMatrix();
@@ -89,6 +89,7 @@ void LaplacianDragTool::drawAll() {
     shown_.warning = shown_.warning && !session.warning().empty();
     const Colours colours = shown_.warning ? Colours::Stretch : shared_->panel().colours();
     options.colours = colours == Colours::RegionAtRest ? (session.motion() ? Colours::None : Colours::Region) : colours;
+    hasLegend = options.colours == Colours::Stretch && session.shown().region();
     const bool takes = mouse_.modifiers & Qt::ShiftModifier;
     const bool paints = takes || mouse_.modifiers & Qt::ControlModifier || session.tools().paint;
     if (paints && !session.motion() && !(mouse_.modifiers & Qt::AltModifier)) {
@@ -101,16 +102,16 @@ void LaplacianDragTool::drawAll() {
       later([this] { cancelMotion(); });
     }
   }
-  drawLine(line(layer.has_value()));
+  drawTexts(painter, line(layer.has_value()), hasLegend);
 }
 
 /// Returns the text of the line over the picture. @param usable  whether there is a layer to edit
-LinePicture::Line LaplacianDragTool::line(bool usable) {
+StatusLine LaplacianDragTool::line(bool usable) {
   if (!usable) {
-    return {active_ ? tr("The layer is hidden: make it visible to edit it.") : nothing_, {}, {}};
+    return {active_ ? tr("The layer is hidden: make it visible to edit it.") : nothing_};
   }
   const DragSession& session = active_->session();
-  LinePicture::Line line;
+  StatusLine line;
   line.text = !notice_.isEmpty()    ? notice_
               : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc resumes the tool.")
                                     : QString::fromStdString(session.message());
@@ -151,20 +152,19 @@ QVector<QPointF> LaplacianDragTool::notToCover() const {
   return pixels;
 }
 
-void LaplacianDragTool::drawLine(const LinePicture::Line& line) {
-  QWidget& viewport = window_.viewport();
+void LaplacianDragTool::drawTexts(QPainter& painter, const StatusLine& line, bool hasLegend) {
   QStringList texts{line.text, line.warning, line.position};
   texts.removeAll(QString());
-  viewport.setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
-  if (texts.isEmpty()) {
-    return;
+  window_.viewport().setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
+  const PaintsTexts paints(painter);
+  if (hasLegend) {
+    drawLegend(painter);
   }
-  const pen::FlatState state;
-  const pen::InPixels pixels(viewport.width(), viewport.height());
+  line_ = QRect();
   if (shown_.keys) {
-    linePicture_.drawKeys(viewport.size(), viewport.devicePixelRatioF());
-  } else {
-    linePicture_.draw(line, viewport.size(), viewport.devicePixelRatioF(), notToCover());
+    drawKeys(painter);
+  } else if (!texts.isEmpty()) {
+    line_ = drawLine(painter, line, notToCover());
   }
 }
 
@@ -192,7 +192,7 @@ void LaplacianDragTool::framePainted() {
 
 /// Handles a press on the line over the picture. @return whether there was one
 bool LaplacianDragTool::pressLine() {
-  if (!linePicture_.rectangle().contains(mouse_.position) || shown_.keys) {
+  if (!line_.contains(mouse_.position.toPoint())) {
     return false;
   }
   if (offered_ >= 0) {

@@ -180,7 +180,7 @@ LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
     made->session().inherit(*known.left);
     known.left.reset();
   } else {
-    panel_->remembered().bringTo(made->session());
+    panel_->recall(made->session());
   }
   endLater(std::exchange(known.session, std::move(made)));
   return *known.session;

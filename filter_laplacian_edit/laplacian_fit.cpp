@@ -68,7 +68,8 @@ FilterAction laplacianFit() {
       "Brings the current layer, a template, onto a scan in another layer, a mesh or points with normals, and keeps "
       "its triangles and details. " +
           aboutTheMethod(),
-      {{Kind::Text, "scan", QString(), "Scan", "The name of the scan's layer; may be empty if there are two layers."},
+      {{Kind::Layer, "scan", QString(), "Scan",
+        "The scan's layer; in scripts its name, which may be empty if there are two layers."},
        {Kind::Choice,
         "mode",
         ToShape,

@@ -18,6 +18,7 @@
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/edit/fit_step.h"
+#include "lapedit/edit/self_intersections.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/landmarks.h"
 #include "lapedit/json/report_json.h"
@@ -27,9 +28,6 @@
 #include "lapedit/mesh/vertex_tree.h"
 #include "options.h"
 #include "transfer.h"
-#ifdef LAPEDIT_WITH_VCGLIB
-#include "lapedit_vcg/self_intersections.h"
-#endif
 
 using namespace lapedit;
 namespace fs = std::filesystem;
@@ -214,13 +212,9 @@ class Job {
   /// Returns the fraction of the pose that is written next.
   double fraction() const { return options_.fractions[poses_]; }
 
-  void measure([[maybe_unused]] EditResult& pose) const {
+  void measure(EditResult& pose) const {
     if (options_.quality) {
-#ifdef LAPEDIT_WITH_VCGLIB
       count_self_intersections(file_.mesh, pose);
-#else
-      throw Failure(WrongUsage, "This build has no --quality: build the program with MeshLab's headers at hand.");
-#endif
     }
   }
 

@@ -29,7 +29,8 @@ struct Parameter {
     Length,   ///< model units; the host also offers percents of the bounding box's diagonal
     Real,     ///< any number
     Integer,  ///< whole number
-    Text      ///< any text
+    Text,     ///< any text
+    Layer     ///< name of another layer, chosen from a list in MeshLab's dialog; a text elsewhere
   };
 
   Kind kind;

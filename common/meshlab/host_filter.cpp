@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit_host/host_filter.h"
 
+#include <common/filterscript.h>
+
+#include <QApplication>
 #include <QByteArray>
+#include <QWidget>
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "lapedit/base/error.h"
@@ -54,8 +60,29 @@ int checked_choice(const Parameter& parameter, int number) {
   return number;
 }
 
+/// Returns whether MeshLab's dialog of a filter asks for the parameters. Its scripts, also those that its dialog for
+/// scripts edits, and PyMeshLab have texts in place of lists of layers.
+bool is_in_dialog() {
+  const QWidgetList windows = QApplication::topLevelWidgets();
+  return QApplication::activeModalWidget() == nullptr &&
+         std::any_of(windows.begin(), windows.end(),
+                     [](const QWidget* window) { return window->findChild<QWidget*>("layerDialog") != nullptr; });
+}
+
+/// Returns the name of a layer that was chosen from a list; none if it was not.
+std::optional<QString> chosen_layer(const Parameter& parameter, const RichParameter& given) {
+  const auto* const list = dynamic_cast<const RichEnum*>(&given);
+  return parameter.kind == Parameter::Kind::Layer && list != nullptr
+             ? std::optional(list->enumvalues.value(given.value().getInt()))
+             : std::nullopt;
+}
+
 /// Reads a parameter's value. @throws EditError for a wrong type, where MeshLab itself would stop at an assertion
-ParameterValue read_value(const Parameter& parameter, const Value& value) {
+ParameterValue read_value(const Parameter& parameter, const RichParameter& given) {
+  const Value& value = given.value();
+  if (const std::optional<QString> chosen = chosen_layer(parameter, given)) {
+    return *chosen;
+  }
   if (std::holds_alternative<int>(parameter.standard) && value.isInt()) {
     return parameter.kind == Parameter::Kind::Choice ? checked_choice(parameter, value.getInt()) : value.getInt();
   }
@@ -72,7 +99,8 @@ ParameterValue read_value(const Parameter& parameter, const Value& value) {
   refuse(parameter, "is a " + type_of(value).toStdString() + ", which is of the wrong type: correct the script.");
 }
 
-void add_parameter(const Parameter& parameter, double diagonal, RichParameterList& list) {
+/// @param others  names of the other layers; one that is empty if there are none
+void add_parameter(const Parameter& parameter, double diagonal, const QStringList& others, RichParameterList& list) {
   const QString& name = parameter.name;
   const QString& label = parameter.label;
   const QString& help = parameter.help;
@@ -97,6 +125,12 @@ void add_parameter(const Parameter& parameter, double diagonal, RichParameterLis
       list.addParam(PointParameter(name, to_host(point), label, help));
       break;
     }
+    case Parameter::Kind::Layer:
+      if (is_in_dialog()) {
+        list.addParam(RichEnum(name, 0, others, label, help));
+        break;
+      }
+      [[fallthrough]];
     case Parameter::Kind::Text:
       list.addParam(RichString(name, std::get<QString>(parameter.standard), label, help));
       break;
@@ -105,13 +139,45 @@ void add_parameter(const Parameter& parameter, double diagonal, RichParameterLis
 
 }  // namespace
 
-RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh) {
+RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh,
+                                 const std::vector<DocumentLayer>& layers) {
   const double diagonal = mesh != nullptr ? finite_diagonal(*mesh) : 0;
+  QStringList others;
+  for (const DocumentLayer& layer : layers) {
+    if (layer.mesh != mesh) {
+      others << layer.label;
+    }
+  }
+  if (others.isEmpty()) {
+    others << QString();
+  }
   RichParameterList list;
   for (const Parameter& parameter : filter.parameters) {
-    add_parameter(parameter, diagonal, list);
+    add_parameter(parameter, diagonal, others, list);
   }
   return list;
+}
+
+void name_layers(const FilterAction& filter, FilterScript& history) {
+  if (history.isEmpty() || history.last().filterName() != filter.name) {
+    return;
+  }
+  RichParameterList& last = history.last().second;
+  RichParameterList named;
+  bool has_list = false;
+  for (const Parameter& parameter : filter.parameters) {
+    const RichParameter& given = last.getParameterByName(parameter.name);
+    const std::optional<QString> chosen = chosen_layer(parameter, given);
+    has_list |= chosen.has_value();
+    if (chosen) {
+      named.addParam(RichString(parameter.name, *chosen, parameter.label, parameter.help));
+    } else {
+      named.addParam(given);
+    }
+  }
+  if (has_list) {
+    last = named;
+  }
 }
 
 FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
@@ -123,7 +189,7 @@ FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& pa
   values.layer_file = file.toStdString();
   values.layers = std::move(layers);
   for (const Parameter& parameter : filter.parameters) {
-    values.set(parameter.name, read_value(parameter, parameters.getParameterByName(parameter.name).value()));
+    values.set(parameter.name, read_value(parameter, parameters.getParameterByName(parameter.name)));
   }
   // Some versions print a line for each call.
   const auto progress = [callback, watch = Stopwatch(), shown = -1](double fraction, const char* stage) mutable {

@@ -8,11 +8,19 @@
 #include "host_parameters.h"
 #include "lapedit_host/filter_action.h"
 
+class FilterScript;
+
 /// Shared by the adapters of all MeshLab versions (vertex_filter_plugin.h).
 namespace lapedit::host {
 
 /// Returns MeshLab's list of a filter's parameters. @param mesh  the current layer's, null if there is none
-RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh);
+/// @param layers  of the document: MeshLab's window lists them for a Parameter::Kind::Layer
+RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh,
+                                 const std::vector<DocumentLayer>& layers);
+
+/// Replaces layers chosen from a list by their names in the last entry of the history, if it is of the filter, since
+/// scripts have names.
+void name_layers(const FilterAction& filter, FilterScript& history);
 
 /// Runs a filter. The mesh is not changed if this throws.
 /// @param mesh      the current layer's, null if there is none

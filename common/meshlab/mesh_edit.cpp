@@ -11,10 +11,10 @@
 
 #include "lapedit/base/error.h"
 #include "lapedit/edit/positions.h"
+#include "lapedit/edit/self_intersections.h"
 #include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/mesh/vertex_tree.h"
 #include "lapedit_host/pose_writer.h"
-#include "lapedit_vcg/self_intersections.h"
 
 namespace lapedit::host {
 namespace {

@@ -100,6 +100,22 @@ Point3m& PoseWriter::normal_of_face(CMeshO& host, int face) const {
   return host.face[host_face_[face]].N();
 }
 
+/// Takes the normals and the box that other code may have set, except those that moved vertices affect.
+void PoseWriter::take_normals(const CMeshO& host) {
+  const auto shows = [this](int f) {
+    return now_[faces_(f, 0)].is_away || now_[faces_(f, 1)].is_away || now_[faces_(f, 2)].is_away;
+  };
+  for (const int f : affected_.around) {
+    first_face_normals_[f] = shows(f) ? first_face_normals_[f] : host.face[host_face_[f]].cN();
+  }
+  for (const int v : affected_.touched) {
+    const auto& faces = adjacency_.faces[v];
+    const bool is_affected = std::any_of(faces.begin(), faces.end(), shows);
+    first_normals_[v] = is_affected ? first_normals_[v] : host.vert[host_vertex_[v]].cN();
+  }
+  first_box_ = away_.empty() ? host.bbox : first_box_;
+}
+
 void PoseWriter::write_places(CMeshO& host, const Points& positions) {
   in_pieces(pool_, static_cast<int>(affected_.vertices.size()), kGrain, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
@@ -197,11 +213,15 @@ bool PoseWriter::write(CMeshO& host, const std::vector<int>& vertices, const Poi
   if (!has_same_size(host) || !are_ours(host, affected_.is_settled ? nullptr : &vertices)) {
     return false;
   }
-  if (vertices != affected_.vertices) {
-    if (!affected_.is_settled) {
-      write_normals(host, true);
-    }
+  const bool are_others = vertices != affected_.vertices;
+  if (are_others && !affected_.is_settled) {
+    write_normals(host, true);
+  }
+  if (are_others) {
     find_affected(vertices);
+  }
+  if (are_others || affected_.is_settled) {
+    take_normals(host);
   }
   write_places(host, positions);
   write_normals(host, settled);
@@ -216,26 +236,6 @@ bool PoseWriter::write(CMeshO& host, const std::vector<int>& vertices, const Poi
     host.bbox = away_.empty() ? first_box_ : finite_box(host);
   }
   return true;
-}
-
-void PoseWriter::keep_normals(const CMeshO& host) {
-  std::vector<char> is_affected(now_.size(), 0);
-  for (std::size_t f = 0; f < host_face_.size(); ++f) {
-    const auto corners = faces_.row(static_cast<Eigen::Index>(f));
-    if (std::any_of(corners.begin(), corners.end(), [&](int v) { return now_[v].is_away; })) {
-      for (const int v : corners) {
-        is_affected[v] = 1;
-      }
-    } else {
-      first_face_normals_[f] = host.face[host_face_[f]].cN();
-    }
-  }
-  for (std::size_t v = 0; v < now_.size(); ++v) {
-    if (!is_affected[v]) {
-      first_normals_[v] = host.vert[host_vertex_[v]].cN();
-    }
-  }
-  first_box_ = away_.empty() ? host.bbox : first_box_;
 }
 
 bool PoseWriter::seems_to_match(const CMeshO& host) const {

@@ -12,7 +12,8 @@
 namespace lapedit::host {
 
 /// Writes any number of poses into a host mesh, at a cost that depends on the moved vertices and not on the mesh, and
-/// can restore the mesh's first state bit by bit.
+/// can restore the mesh's first state bit by bit. Normals and a box that other code sets where nothing has moved count
+/// as first ones.
 ///
 /// The mesh after write() depends only on the positions of all vertices, not on earlier poses. Positions are those
 /// given; one that equals the first position keeps that one's bits, also the sign of a zero. Normals of faces with a
@@ -39,10 +40,6 @@ class PoseWriter {
   /// with other vertices than in the last call, a pass over one byte per vertex and face. With the same vertices only
   /// the first settled pose allocates.
   bool write(CMeshO& host, const std::vector<int>& vertices, const Points& positions, bool settled);
-
-  /// Makes the normals and the box that the host mesh has now the first ones, except those that moved vertices affect:
-  /// other code may have changed them. matches() has to hold. O(vertices + faces).
-  void keep_normals(const CMeshO& host);
 
   /// Returns whether vertices and faces of the host mesh are still those of construction, and positions those of the
   /// last write(). O(vertices + faces).
@@ -77,6 +74,7 @@ class PoseWriter {
   bool is_ours(const CMeshO& host, int vertex) const;
   bool are_ours(const CMeshO& host, const std::vector<int>* vertices);  // null: all
   void find_affected(const std::vector<int>& vertices);
+  void take_normals(const CMeshO& host);
   void write_places(CMeshO& host, const Points& positions);
   void write_normals(CMeshO& host, bool settled);
   Point3m& normal_of_vertex(CMeshO& host, int vertex) const;

@@ -61,6 +61,11 @@ class BackgroundTask {
     const std::lock_guard<std::mutex> lock(mutex_);
     return next_ || (is_running_ && !discards_) || answer_ || error_;
   }
+  /// Returns whether take() has something now.
+  bool ready() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return answer_ || error_;
+  }
   void wait() { thread_ = JoinedThread(); }  ///< for tests
 
  private:

@@ -45,18 +45,18 @@ std::string saved_step(const EditStep& step, const std::vector<int>& moved) {
   return handle->targets.empty() ? motion_text(handle->transform) : "Bending a curve";
 }
 
-std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
-                         double prepare_ms, double solve_ms) {
+std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle,
+                         int region_size) {
   const std::string vertices = handle.size() == 1
                                    ? format_text("1 vertex (%d)", handle.front())
                                    : format_text("%zu vertices (the lowest is %d)", handle.size(), handle.front());
-  return format_text("step %zu: %s, handle of %s, region of %d vertices, prepared in %.1f ms, solved in %.1f ms",
-                     number, motion.text().c_str(), vertices.c_str(), region_size, prepare_ms, solve_ms);
+  return format_text("step %zu: %s, handle of %s, region of %d vertices", number, motion.text().c_str(),
+                     vertices.c_str(), region_size);
 }
 
-std::string step_adjusted(std::size_t number, bool is_new, int region_size, double prepare_ms, double solve_ms) {
-  return format_text("step %zu%s: region of %d vertices, prepared in %.1f ms, solved in %.1f ms", number,
-                     is_new ? ": another detail" : " again with other settings", region_size, prepare_ms, solve_ms);
+std::string step_adjusted(std::size_t number, bool is_new, int region_size) {
+  return format_text("step %zu%s: region of %d vertices", number,
+                     is_new ? ": another detail" : " again with other settings", region_size);
 }
 
 std::string edit_applied(std::size_t steps) {

@@ -61,8 +61,7 @@ constexpr const char* kNoBoundary =
 constexpr const char* kNothingLeft = "The region would have no vertices left: it was not changed.";
 constexpr const char* kRegionNotKnown = "The region is still being computed: wait a moment.";
 constexpr const char* kNotSymmetric = "No plane was found at which the mesh mirrors itself: choose X, Y or Z instead.";
-constexpr const char* kNoAnchors =
-    "None of these vertices can be kept fixed: choose vertices inside the region that are in no handle.";
+constexpr const char* kNothingHeld = "None of these vertices is kept fixed.";
 constexpr const char* kNothingPainted = "Nothing is painted that could be changed: paint first.";
 constexpr const char* kNothingToHold = "These vertices are already kept fixed, or are in a handle: paint others.";
 constexpr const char* kNoMotion =
@@ -106,9 +105,8 @@ std::string saved_step(const EditStep& step, const std::vector<int>& moved);
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";
 constexpr const char* kNotPossible = "not possible: %s";
-std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size,
-                         double prepare_ms, double solve_ms);
-std::string step_adjusted(std::size_t number, bool is_new, int region_size, double prepare_ms, double solve_ms);
+std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size);
+std::string step_adjusted(std::size_t number, bool is_new, int region_size);
 std::string edit_applied(std::size_t steps);
 constexpr const char* kLoadedStepAdvice = "step %zu of the saved edit: %s";
 constexpr const char* kStepChanged = "step %zu %s";

@@ -20,34 +20,6 @@ std::vector<int> region_of(const Surface& surface, const Selection& selection) {
                                                                                      : std::vector<int>();
 }
 
-bool are_anchors_known(const Surface& surface, const Selection& selection) {
-  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
-  return selection.has_region && (is_known || !selection.region.anchors.empty());
-}
-
-/// Replaces the region's anchors by the given vertices, ascending, except those outside the region or in a handle.
-Choice with_band(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
-  const bool is_known = surface.region != nullptr && !surface.region->distance.empty();
-  if (!are_anchors_known(surface, selection)) {
-    return Refusal{!selection.has_region ? messages::kNoRegion
-                   : surface.computing   ? messages::kRegionNotKnown
-                                         : messages::kNoHandle};
-  }
-  const double reach = is_known ? surface.region->max_distance : selection.region.anchors.reach;
-  const std::vector<int> region = region_of(surface, selection);
-  vertices = without(common(vertices, region), selection.handles());
-  if (vertices.empty()) {
-    return Refusal{messages::kNoAnchors};
-  }
-  Selection after = with_vertices(selection, region, surface.settings);
-  after.by_hand = true;
-  after.region.anchors.weights.assign(vertices.size(), 1);
-  after.region.anchors.depths.assign(vertices.size(), 1);
-  after.region.anchors.vertices = std::move(vertices);
-  after.region.anchors.reach = reach;
-  return after;
-}
-
 /// Returns the selection after a stroke that paints the region. Handle vertices stay in it; without vertices there is
 /// no region.
 Selection region_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
@@ -97,24 +69,16 @@ Choice handle_brushed(const Surface& surface, const Selection& selection, const 
   return after;
 }
 
-/// Returns the selection after a stroke that paints fixed vertices, of this region and of later ones. A stroke that
-/// removes them also removes the region's other anchors there, but never the boundary.
-Choice anchors_brushed(const Surface& surface, const Selection& selection, const std::vector<int>& patch, bool add) {
+/// Returns the selection after a stroke that paints fixed vertices, of this region and of later ones.
+Choice anchors_brushed(const Selection& selection, const std::vector<int>& patch, bool add) {
   Selection after = selection;
   after.held = add ? united(selection.held, without(patch, selection.handles())) : without(selection.held, patch);
-  after.region.held = after.held;
-  if (!add && are_anchors_known(surface, selection)) {
-    const KeptAnchors now = selection.region.anchors.empty() ? anchors_of(*surface.region) : selection.region.anchors;
-    const std::vector<int> own = without(sorted_set(now.vertices), selection.held);
-    if (!common(own, patch).empty()) {
-      return with_band(surface, after, without(own, patch));
-    }
-  }
   if (after.held == selection.held) {
-    return Refusal{add ? messages::kNothingToHold : messages::kNoAnchors};
+    return Refusal{add ? messages::kNothingToHold : messages::kNothingHeld};
   }
-  if (!add && !selection.region.anchors.empty()) {  // the last step stored them as anchors of the region
-    return with_band(surface, after, without(sorted_set(selection.region.anchors.vertices), patch));
+  after.region.held = after.held;
+  if (!add) {
+    after.region.anchors = KeptAnchors();  // the last step stored the fixed vertices among them
   }
   return after;
 }
@@ -149,21 +113,13 @@ Choice brushed(const Surface& surface, const Selection& selection, BrushTarget t
                bool add) {
   return target == BrushTarget::Region   ? Choice(region_brushed(surface, selection, patch, add))
          : target == BrushTarget::Handle ? handle_brushed(surface, selection, patch, add)
-                                         : anchors_brushed(surface, selection, patch, add);
+                                         : anchors_brushed(selection, patch, add);
 }
 
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices) {
-  vertices = without(sorted_set(std::move(vertices)), selection.handles());
-  if (std::optional<Refusal> refusal = refuse_vertices(surface, vertices); refusal && !vertices.empty()) {
-    return *refusal;
-  }
-  const bool has_anchors = are_anchors_known(surface, selection) || (selection.has_region && surface.computing);
-  Choice choice = has_anchors || vertices.empty() ? with_band(surface, selection, vertices) : Choice(selection);
-  if (Selection* const after = std::get_if<Selection>(&choice)) {
-    after->held = united(after->held, vertices);
-    after->region.held = after->held;
-  }
-  return choice;
+  vertices = sorted_set(std::move(vertices));
+  const std::optional<Refusal> refusal = refuse_vertices(surface, vertices);
+  return refusal ? Choice(*refusal) : anchors_brushed(selection, vertices, true);
 }
 
 Choice with_handle(const Surface& surface, const Selection& selection, std::vector<int> vertices) {

@@ -21,8 +21,7 @@ enum class PaintChange {
 /// removes them. Handles stay in a region; fixed vertices hold in later regions, too.
 Choice brushed(const Surface& surface, const Selection& selection, BrushTarget target, const std::vector<int>& patch,
                bool add);
-/// Makes the given vertices, in any order, and the region's boundary its anchors. Keeps those outside the region, or
-/// all if there is no region or no handle, for later regions.
+/// Makes the given vertices, in any order, fixed.
 Choice with_anchors(const Surface& surface, const Selection& selection, std::vector<int> vertices);
 /// Makes these vertices, in any order, the active handle.
 Choice with_handle(const Surface& surface, const Selection& selection, std::vector<int> vertices);

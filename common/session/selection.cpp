@@ -2,6 +2,7 @@
 #include "lapedit/session/selection.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -391,6 +392,40 @@ Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection) {
   return changed_by_hand(surface, selection, [&](const std::vector<int>& set) {
     return shrunk(surface.adjacency, set, selection.handles());
   });
+}
+
+Selection with_margin(const Surface& surface, const Selection& selection) {
+  const auto& neighbours = surface.adjacency.neighbours;
+  std::vector<int> region = selection.region.vertices, edge;
+  const auto is_inside = [&region](int v) { return contains(region, v); };
+  for (const int v : region) {
+    if (!std::all_of(neighbours[v].begin(), neighbours[v].end(), is_inside)) {
+      edge.push_back(v);
+    }
+  }
+  const auto ring_at = [&neighbours](const std::vector<int>& ring, const auto& takes) {
+    std::vector<int> next;
+    for (const int v : ring) {
+      std::copy_if(neighbours[v].begin(), neighbours[v].end(), std::back_inserter(next), takes);
+    }
+    return sorted_set(std::move(next));
+  };
+  int depth = 0;
+  std::vector<char> seen(region.size(), 0);
+  for (std::vector<int> ring = edge; !ring.empty(); ++depth) {
+    for (const int v : ring) {
+      seen[index_in(region, v)] = 1;
+    }
+    ring = ring_at(ring, [&](int w) {
+      const int at = index_in(region, w);
+      return at >= 0 && !seen[at];
+    });
+  }
+  for (int k = 0; k < (3 * depth + 3) / 4; ++k) {
+    edge = ring_at(edge, [&](int w) { return !is_inside(w); });
+    region = united(region, edge);
+  }
+  return with_vertices(selection, std::move(region), surface.settings);
 }
 
 Selection with_radius(const Surface& surface, Selection selection) {

@@ -105,7 +105,6 @@ struct Surface {
   const Region* region = nullptr;  ///< the selection's, classified; null if there is none or it is not known yet
   bool prepared = false;           ///< the region's distances and anchors belong to the selection's handles
   DiscSearch* discs = nullptr;     ///< over the mesh; null: made where it is needed, which is O(mesh)
-  bool computing = false;          ///< the region or its anchors will be known soon
 };
 
 // Clicks on a vertex -------------------------------------------------------------------------------------------------
@@ -133,6 +132,9 @@ Choice with_region(const Surface& surface, const Selection& selection, std::vect
 Choice whole_component(const Surface& surface, Selection selection);
 Choice grown_by_a_ring(const Surface& surface, const Selection& selection);
 Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection);
+/// Returns a painted region for another detail: with a margin of three quarters of its half width, in rings. Otherwise
+/// the slopes of a dent at its edge, which stay, would keep a part of it.
+Selection with_margin(const Surface& surface, const Selection& selection);
 /// Computes the data of discs once their groups are known: their actual radius (smaller on a coarse mesh), the start of
 /// the region's radius, and weights.
 void follow_discs(const Surface& surface, Selection& selection);

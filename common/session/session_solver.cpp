@@ -92,8 +92,7 @@ Surface SessionSolver::surface() {
           model_.settings,
           model_.shown.region().get(),
           preparation_.has_preview,
-          search ? &search->discs() : nullptr,
-          preparation_.running};
+          search ? &search->discs() : nullptr};
 }
 
 DragFigures SessionSolver::figures() const {
@@ -141,7 +140,6 @@ void SessionSolver::request_preparation(PrepareTask task) {
 }
 
 void SessionSolver::prepare() {
-  figures_.prepare_ms = std::nullopt;
   ToolState& tools = model_.tools;
   tools.mirrored.reset();
   const Selection& selection = model_.selection;
@@ -281,7 +279,6 @@ void SessionSolver::release() {
 }
 
 void SessionSolver::discard() {
-  figures_.solve_ms = std::nullopt;
   figures_.report = nullptr;
   const Loading* const loading = in<Loading>();
   const bool elsewhere = loading || in<Adjusting>();  // the worker has prepared another region than the selection's
@@ -295,6 +292,9 @@ void SessionSolver::discard() {
     model_.show_region(std::move(awaited));
   }
   model_.back_to_mesh(true);
+  if (elsewhere && model_.selection.by_hand && model_.groups().empty()) {
+    model_.show_by_hand();
+  }
   if (elsewhere) {
     prepare();
   }
@@ -338,7 +338,7 @@ void SessionSolver::begin_detail(bool open) {
     return;
   }
   EditStep step;
-  step.region = with_region_kept(surface(), selection).region;
+  step.region = (selection.by_hand ? with_margin : with_region_kept)(surface(), selection).region;
   step.mirror = model_.tools.mirror;
   step.settings = model_.settings.edit;
   phase_ = Adjusting{std::move(step), model_.history.mesh(), {}, true, open};
@@ -406,12 +406,11 @@ void SessionSolver::request_adjusted(bool prepares) {
 void SessionSolver::show_adjusted(const Adjusting& adjusting) {
   const std::vector<int>& vertices = adjusting.region->mesh_vertex;
   ShownRegion& shown = model_.shown;
-  if (shown.region() && shown.region()->mesh_vertex == vertices) {
-    shown.pose(solved_.positions);
-    model_.show(vertices, shown.pose(), false);
-  } else {
-    model_.show(vertices, solved_.positions, false);
+  if (!shown.region() || shown.region()->mesh_vertex != vertices) {
+    model_.show_region(adjusting.region);
   }
+  shown.pose(solved_.positions);
+  model_.show(vertices, shown.pose(), false);
 }
 
 void SessionSolver::load(Edit edit) {
@@ -448,8 +447,7 @@ void SessionSolver::commit_drag() {
   model_.timeline.add({drag.motion.text(), true, selection});
   model_.show(applied.vertices, applied.after, true);
   model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
-                                    model_.shown.region()->size(), figures_.prepare_ms.value_or(0),
-                                    figures_.solve_ms.value_or(0)) +
+                                    model_.shown.region()->size()) +
              (figures_.advice().empty() ? "" : "; " + figures_.advice()));
   progress();
 }
@@ -472,11 +470,15 @@ void SessionSolver::commit_adjusted() {
     model_.timeline.add({messages::saved_step(adjusting.step, {}), true, model_.selection});
   }
   model_.show(applied.vertices, applied.after, true);
-  model_.log(messages::step_adjusted(history.steps().size(), adjusting.is_new, region->size(),
-                                     figures_.prepare_ms.value_or(0), figures_.solve_ms.value_or(0)));
-  model_.show_region(region);
-  model_.selection.region = std::move(adjusting.step.region);
-  model_.selection.has_region = true;
+  model_.log(messages::step_adjusted(history.steps().size(), adjusting.is_new, region->size()));
+  Selection& selection = model_.selection;
+  if (selection.by_hand && adjusting.step.handles.empty()) {
+    model_.show_by_hand();  // without the margin
+  } else {
+    model_.show_region(region);
+    selection.region = std::move(adjusting.step.region);
+    selection.has_region = true;
+  }
   progress();
 }
 
@@ -536,7 +538,6 @@ bool SessionSolver::take_pose() {
         solved_.positions.rows() != adjusting->region->size()) {
       return false;
     }
-    figures_.solve_ms = solved_.solve_ms;
     if (adjusting->open || solved_.serial != adjusting->serial) {
       show_adjusted(*adjusting);
       return false;
@@ -548,7 +549,6 @@ bool SessionSolver::take_pose() {
   if (!drag || solved_.serial < drag->first_serial) {
     return false;
   }
-  figures_.solve_ms = solved_.solve_ms;
   ShownRegion& shown = model_.shown;
   if (std::shared_ptr<const Region> awaited = shown.take_awaited()) {
     model_.back_to_mesh(false);
@@ -598,7 +598,6 @@ SessionSolver::Response SessionSolver::poll() {
     preparation_ = Preparation();
     preparation_.has_preview = preparation_.ready = true;
     figures_.full_frames = update.full_frames;
-    figures_.prepare_ms = update.prepare_ms;
   }
   if (update.report) {
     figures_.report = update.report;

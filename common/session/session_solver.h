@@ -71,13 +71,10 @@ struct Preparation {
   std::string stage;
 };
 
-/// Figures of the panel: counts of vertices, times in milliseconds, lengths in model units.
+/// Figures of the panel: counts of vertices, lengths in model units.
 struct DragFigures {
   int handle = 0, free = 0, anchors = 0, fixed = 0;
-  int pieces = 0;  ///< number of small pieces that move with the region
-  // Empty while the region is being prepared, or before it has a pose.
-  std::optional<double> prepare_ms;
-  std::optional<double> solve_ms;            ///< of the last pose
+  int pieces = 0;                            ///< number of small pieces that move with the region
   std::shared_ptr<const EditReport> report;  ///< the last one; null: none
   bool full_frames = false;                  ///< each frame of a drag is a full solution
   int steps = 0;                             ///< applied
@@ -179,7 +176,7 @@ class SessionSolver {
   SessionModel& model_;
   phase::Phase phase_;
   Preparation preparation_;  // without progress and stage
-  DragFigures figures_;      // times and errors that the solver reported
+  DragFigures figures_;      // the report
   SolverPose solved_;
   SolverThread worker_;  // last: its thread ends first
 };

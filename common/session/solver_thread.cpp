@@ -12,8 +12,7 @@
 #include <utility>
 
 #include "lapedit/base/error.h"
-#include "lapedit/base/joined_thread.h"
-#include "lapedit/base/stopwatch.h"
+#include "lapedit/session/background_task.h"
 
 namespace lapedit {
 namespace {
@@ -62,17 +61,6 @@ struct Response {
   SolverPose pose;
 };
 
-/// A job of the background thread: to make the system of a region.
-struct Job {
-  std::shared_ptr<StepSolver> solver;
-  std::shared_ptr<const TriangleMesh> mesh;
-  Stopwatch watch;
-  int generation = -1;
-  std::shared_ptr<const LaplacianSystem> previous = nullptr;  ///< to be reused
-  std::shared_ptr<const LaplacianSystem> system = nullptr;    ///< the result; null after an error
-  std::string error = {};
-};
-
 /// The work that remains for the last pose while no request comes.
 enum class Remaining {
   Nothing,
@@ -86,7 +74,6 @@ struct Work {
   std::shared_ptr<StepSolver> solver;
   int generation = -1;                            ///< of the solver
   std::shared_ptr<const LaplacianSystem> system;  ///< the newest, to be reused
-  std::shared_ptr<Job> job, next_job;             ///< of the background
   std::vector<HandleMotion> maps;
   int serial = 0;
   SolverPose pose;
@@ -114,8 +101,12 @@ struct SolverThread::Impl {
   std::atomic<double> progress{0};
 
   Work work;
-  std::atomic<bool> prepared{false};  // the background's job has a system or an error
-  JoinedThread background;
+  BackgroundTask<std::shared_ptr<const LaplacianSystem>> background{[this] {  // makes the systems of large regions
+    {
+      const std::lock_guard<std::mutex> lock(mutex);  // prevents a lost wake-up
+    }
+    requested.notify_all();
+  }};
 
   bool current() const { return work.solver && work.generation == generation; }
   bool usable() const { return current() && work.solver->system(); }
@@ -125,7 +116,7 @@ struct SolverThread::Impl {
   bool is_stale() const { return (work.solver || work.system) && !current() && !request.prepare; }
   bool is_busy() const { return working || is_preview() || preparing || request.prepare || request.apply; }
   bool has_work() const {
-    return request.quit || request.prepare || request.apply || prepared || is_stale() || answerable();
+    return request.quit || request.prepare || request.apply || background.ready() || is_stale() || answerable();
   }
 
   /// Discards earlier requests; `change` sets the new one.
@@ -189,12 +180,11 @@ struct SolverThread::Impl {
     };
   }
 
-  void publish_ready(int mine, double prepare_ms) {
+  void publish_ready(int mine) {
     work.system = work.solver->system();
     publish(mine, [&] {
       SolverUpdate& update = response.update;
       update.preview = update.ready = true;
-      update.prepare_ms = prepare_ms;
       update.full_frames = !has_frames();
     });
   }
@@ -212,10 +202,9 @@ struct SolverThread::Impl {
 
   /// Makes a region and its cells. The background thread makes the system of a large region.
   void prepare(const PrepareTask& task, int mine) {
-    const Stopwatch watch;
     const Progress progress_here = progress_of(mine);
     const ProgressScope scope(progress_here);
-    work.next_job.reset();
+    background.cancel();
     validate(task.settings);
     report_progress(0, "region");
     const FoundRegion found = find_region(*task.mesh, *task.adjacency, task.region, task.groups, task.weights);
@@ -230,7 +219,7 @@ struct SolverThread::Impl {
       solver->prepare(*task.mesh, work.system.get());
       work.solver = solver;
       work.generation = mine;
-      publish_ready(mine, watch.elapsed());
+      publish_ready(mine);
       return;
     }
     work.solver = solver;
@@ -238,61 +227,34 @@ struct SolverThread::Impl {
     if (solver->has_frames()) {
       publish(mine, [&] { response.update.preview = true; });
     }
-    work.next_job = std::make_shared<Job>(Job{solver, task.mesh, watch, mine});
     {
       const std::lock_guard<std::mutex> lock(mutex);
       preparing = generation == mine;
     }
-    prepare_in_background();
-  }
-
-  /// Gives the background its next job as soon as it is idle.
-  void prepare_in_background() {
-    if (work.next_job && work.next_job->generation != generation) {
-      work.next_job.reset();  // discarded meanwhile
-    }
-    if (work.job || !work.next_job) {
-      return;
-    }
-    work.job = std::exchange(work.next_job, nullptr);
-    work.job->previous = std::move(work.system);
-    const auto make = [this, job = work.job] {
-      const Progress progress_here = progress_of(job->generation);
-      const ProgressScope scope(progress_here);
-      job->error = message_of([&] { job->system = job->solver->make_system(*job->mesh, job->previous.get()); });
-      {
-        const std::lock_guard<std::mutex> lock(mutex);  // Prevents a lost wake-up.
-        prepared = true;
-      }
-      requested.notify_all();
-    };
-    try {
-      background = JoinedThread(make);
-    } catch (const std::system_error&) {  // no thread is available
-      make();
-    }
+    background.start([this, mine, solver, mesh = task.mesh, previous = std::move(work.system)] {
+      const Progress progress_there = progress_of(mine);
+      const ProgressScope progress_scope(progress_there);
+      return solver->make_system(*mesh, previous.get());
+    });
   }
 
   /// Takes the background's result; later frames use it.
   void take_prepared(std::unique_lock<std::mutex>& lock) {
-    const std::shared_ptr<Job> job = std::move(work.job);
-    const int mine = job->generation;
-    prepared = false;
+    const int mine = work.generation;
     lock.unlock();
-    work.system = job->system;
-    job->previous.reset();
-    if (generation == mine && job->error.empty()) {
-      job->solver->take(work.system);
-      publish_ready(mine, job->watch.elapsed());
-    } else if (generation == mine) {
-      publish(mine, [&] { response.update.error = job->error; });
+    std::shared_ptr<const LaplacianSystem> system;
+    const std::string error = message_of([&] { system = background.take().value_or(nullptr); });
+    if (generation == mine && system) {
+      work.solver->take(system);
+      publish_ready(mine);
+    } else if (generation == mine && !error.empty()) {
+      publish(mine, [&] { response.update.error = error; });
       work.solver.reset();
     }
-    prepare_in_background();
     lock.lock();
     if (generation == mine) {
       preparing = false;
-      if (!job->error.empty()) {
+      if (!error.empty()) {
         request.solve = request.has_region = false;
         remaining = Remaining::Nothing;
       }
@@ -314,7 +276,6 @@ struct SolverThread::Impl {
   /// @param exactly  false: there is no system yet, and frames are poses of the cells. In response to a final request
   /// such a pose has the serial number before that of the request, so that it does not count as the final pose
   void solve(int mine, bool last, bool exactly) {
-    const Stopwatch watch;
     const Progress keep_going = [this, mine](double, const char*) { return generation == mine; };
     const bool full = last && exactly;
     bool is_frame = !full && has_frames();
@@ -335,7 +296,6 @@ struct SolverThread::Impl {
     if (!is_frame) {
       work.pose.positions = work.solver->pose(work.maps);
     }
-    work.pose.solve_ms = watch.elapsed();
     const auto report = full ? std::make_shared<const EditReport>(work.solver->report()) : nullptr;
     const Remaining then = is_frame ? Remaining::Pose : full ? Remaining::Nothing : Remaining::Report;
     publish_pose(mine, last && !exactly ? work.serial - 1 : work.serial, then, report);
@@ -367,7 +327,6 @@ struct SolverThread::Impl {
     bool failed = false;
     const std::string error = message_of([&] {
       const ProgressScope scope(keep_going);
-      const Stopwatch watch;
       if (!is_frame) {
         const auto report = std::make_shared<const EditReport>(work.solver->report());
         publish(mine, [&] {
@@ -375,7 +334,6 @@ struct SolverThread::Impl {
           response.update.report = report;
         });
       } else if (work.solver->refine(work.pose.positions)) {
-        work.pose.solve_ms = watch.elapsed();
         publish_pose(mine, work.serial, work.solver->settled() ? Remaining::Report : Remaining::Passes);
       } else {
         failed = true;
@@ -437,7 +395,7 @@ struct SolverThread::Impl {
       }
       if (!has_any) {
         settle(lock);
-      } else if (prepared) {
+      } else if (background.ready()) {
         working = true;
         take_prepared(lock);
       } else if (is_stale()) {
@@ -519,7 +477,7 @@ bool SolverThread::wait(std::chrono::milliseconds longest) {
     // usable() may read the solver only while the solver thread is idle. The thread is busy again for a moment if it
     // has yet to free discarded data.
     return s.response.is_new ||
-           !(s.is_busy() || (s.request.solve && s.usable()) || s.work.job != nullptr || s.is_stale());
+           !(s.is_busy() || (s.request.solve && s.usable()) || s.background.busy() || s.is_stale());
   });
   return s.response.is_new;
 }

@@ -35,7 +35,6 @@ struct ApplyTask {
 struct SolverPose {
   int serial = 0;    ///< as returned by SolverThread::solve()
   Points positions;  ///< one row per region vertex
-  double solve_ms = 0;
 };
 
 /// Results since the last SolverThread::poll().
@@ -43,7 +42,6 @@ struct SolverUpdate {
   std::shared_ptr<const Region> region;  ///< with classified vertices: can be shown, not yet dragged
   bool preview = false;                  ///< solve() has responses, possibly from the cells alone
   bool ready = false;                    ///< prepared: solve() has responses from the system
-  double prepare_ms = 0;                 ///< time of all stages, once ready
   bool full_frames = false;              ///< once ready: frames are full solutions, see StepSolver::has_frames()
   bool pose = false;                     ///< poll() filled its argument with a pose
   std::shared_ptr<const EditReport> report;

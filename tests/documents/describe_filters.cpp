@@ -23,7 +23,7 @@ struct ToJson {
 };
 
 QJsonArray described(const FilterAction& filter) {
-  const QStringList kinds = {"Choice", "Point", "Length", "Real", "Integer", "Text"};
+  const QStringList kinds = {"Choice", "Point", "Length", "Real", "Integer", "Text", "Text"};
   QJsonArray list;
   for (const Parameter& parameter : filter.parameters) {
     list.append(QJsonObject{{"name", parameter.name},

@@ -25,7 +25,6 @@ cd "$project"
 cp -r common/core/{base,mesh,linear,deform,cells,fit,edit,json} "$filter/lapedit"
 cp common/meshlab/*.{h,cpp} common/meshlab/api_2022/*.h common/meshlab/api_2022/parameters_2025/*.h "$filter/lapedit_host"
 cp common/meshlab/tool/*.{h,cpp} "$filter/lapedit_host/tool"
-cp -r common/meshlab/vcg "$filter/lapedit_vcg"
 cp filter_laplacian_edit/*.{h,cpp} "$filter"
 cp -r common/session "$tool/lapedit"
 cp edit_laplacian_drag/*.{h,cpp,qrc,png} "$tool"
@@ -100,7 +99,7 @@ of() {
   # shellcheck disable=SC2016,SC2046 # Markdown; and no name has a space
   {
     row 'core, without the tool'"'"'s session' $(of "$filter/lapedit")
-    row 'host layer' $(of "$filter/lapedit_host" "$filter/lapedit_vcg")
+    row 'host layer' $(of "$filter/lapedit_host")
     row 'filters' $(of "$filter" -maxdepth 1)
     row 'session of the tool' $(of "$tool/lapedit")
     row 'tool' $(of "$tool" -maxdepth 1)

@@ -228,8 +228,8 @@ class Motion(ToolTest):
         with self.start(self.mesh, disc=40) as w:
             self.begin_to_turn(w)
             w.x("key", "ctrl+e")
-            w.wait_dialog()
-            w.x("sleep", 0.3, "key", "Escape")
+            w.wait_dialog(has_keys=True)
+            w.x("key", "Escape")
             w.wait(lambda: not w.dialog().get("title"), "the dialog stays open", 20)
             w.key("Return")
             self.assertAlmostEqual(abs(self.steps_of(w)[0]["handles"][0]["rotation"]["degrees"]), 37, delta=1)

@@ -167,6 +167,14 @@ class Keyboard(ToolTest):
             self.assertEqual(w.tool(), (TOOL, False))
             self.assertEqual(w.widget(part("radius"))["value"], radius)
 
+    def test_double_click_selects_a_whole_number(self):
+        with self.start(self.mesh) as w:
+            w.x_focus()
+            x, y, _, height = w.widget(part("radius"))["rectangle"]
+            w.x("mousemove", x + 30, y + height // 2, "click", "--repeat", 2, "--delay", 60, 1)
+            self.x_key(w, "period", "3", "Return")
+            self.assertEqual(w.widget(part("radius"))["value"], 0.3)
+
     def test_keys_are_shown_by_their_key_and_button(self):
         with self.start(self.mesh) as w:
             w.x_focus()

@@ -34,8 +34,8 @@ class Gestures(ToolTest):
     def x_save(self, w):
         w.x_focus()
         w.x("key", "ctrl+e")
-        w.wait_dialog()
-        w.x("sleep", 0.3, "key", "Return")
+        w.wait_dialog(has_keys=True)
+        w.x("key", "Return")
         w.wait(lambda: not self.is_modified(w), "the mesh is not saved")
         w.x_focus()
 

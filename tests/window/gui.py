@@ -241,9 +241,9 @@ class Window(XProgram):
         """The modal dialog that is open, {} if none is; "files" are those chosen in a dialog for files."""
         return self.ask("dialog")
 
-    def wait_dialog(self):
-        """Until a modal dialog is open. @return it"""
-        return self.wait(self.dialog, "no dialog opened", 20)
+    def wait_dialog(self, has_keys=False):
+        """Until a modal dialog is open, and has the keyboard if that counts. @return it"""
+        return self.wait(lambda: (found := self.dialog()).get("active", False) >= has_keys and found, "no dialog opened", 20)
 
     def answer(self, path=None, button=None, wait=True):
         """Answers the dialog that is about to open. @return what it was"""

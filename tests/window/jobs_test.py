@@ -50,15 +50,27 @@ class Jobs(ToolTest):
         self.stroke(w, [tuple(round(m + r * f(2 * math.pi * k / 24)) for m, r, f in zip(middle, radii, (math.cos, math.sin)))
                         for k in range(25)], *keys)
 
+    def slide_to_flat(self, w):
+        x, y, width, height = w.widget(part("detail"))["rectangle"]
+        row = round(y + height / 2)
+        self.stroke(w, [(round(x + width / 2), row), (round(x + width / 4), row), (round(x - 5), row)])
+        self.assertLess(max(abs(z) for _, _, z in w.dump().triples()), 0.01 * self.DEPTH)
+
+    def test_a_dent_painted_up_to_its_rim_becomes_flat_in_two_actions(self):
+        """With a lasso a third of the way from half of the depth to none."""
+        with self.start(self.dent, disc=20) as w:
+            ring = [self.MIDDLE + k * step for k in (-7, 7) for step in (1, self.SIDE)]
+            w.x_focus()
+            self.lasso(w, ring, "ctrl", "alt", margin=-0.22 * math.dist(w.pixel(ring[0]), w.pixel(ring[2])))  # 1
+            self.slide_to_flat(w)  # 2
+            self.assert_replay_is_the_same(w, self.dent)
+
     def test_a_dent_becomes_flat_in_two_actions(self):
         with self.start(self.dent, disc=20) as w:
             before = w.dump()
             w.x("mousemove", *self.on_screen(w, self.MIDDLE), "sleep", 0.3, "click", 1)  # 1
             self.settle(w)
-            x, y, width, height = w.widget(part("detail"))["rectangle"]
-            row = round(y + height / 2)
-            self.stroke(w, [(round(x + width / 2), row), (round(x + width / 4), row), (round(x - 5), row)])  # 2
-            self.assertLess(max(abs(z) for _, _, z in w.dump().triples()), 0.01 * self.DEPTH)
+            self.slide_to_flat(w)  # 2
             step, = self.steps_of(w)
             self.assertEqual(step["detail"], 0)
             self.assertNotIn("handles", step)
@@ -66,6 +78,35 @@ class Jobs(ToolTest):
             self.undo(w)
             self.assert_same(before, w.dump())
             self.assertEqual(w.widget(part("detail"))["value"], 100)
+
+    def test_a_pipe_is_bent_by_30_degrees_in_six_actions(self):
+        around, along = 24, 61
+        points = [(k / (along - 1), 0.08 * math.sin(2 * math.pi * j / around), 0.08 * math.cos(2 * math.pi * j / around))
+                  for k in range(along) for j in range(around)]
+        corner = lambda k, j: k * around + j % around  # noqa: E731
+        faces = [f for k in range(along - 1) for j in range(around) for f in (
+            (corner(k, j), corner(k + 1, j + 1), corner(k + 1, j)), (corner(k, j), corner(k, j + 1), corner(k + 1, j + 1)))]
+        pipe = write_ply(self.folder / "pipe.ply", points, faces)
+        with self.start(pipe, disc=20) as w:
+            before = w.dump()
+            w.x_focus()
+            w.x("mousemove", *self.on_screen(w, corner(57, 0)), "sleep", 0.3, "click", 1)  # 1
+            self.settle(w)
+            w.x("click", "--repeat", 12, 4)  # 2: the wheel
+            self.settle(w)
+            self.x_key(w, "p", "p")  # 3
+            self.x_key(w, "r", "z", "3", "0", "Return")  # 4 to 6
+            rotation = self.steps_of(w)[0]["handles"][0]["rotation"]
+            self.assertEqual((abs(rotation["degrees"]), rotation["axis"]), (30, [0, 0, 1]))
+            # The middle of the pipe at the handle goes around the pivot.
+            (x, y, z), (u, v, t) = ([sum(c) / around for c in zip(*dump.triples()[corner(57, 0):corner(58, 0)])]
+                                    for dump in (before, w.dump()))
+            at = rotation["center"]
+            turned = math.atan2(v - at[1], u - at[0]) - math.atan2(y - at[1], x - at[0])
+            self.assertAlmostEqual(abs(math.degrees(turned)), 30, delta=2)
+            self.assertLess(abs(t - z), 0.01)
+            self.assertFalse(before.moved(w.dump()) & set(range(12 * around)))
+            self.assert_replay_is_the_same(w, pipe)
 
     def test_a_mouth_is_closed_in_four_actions(self):
         def gap():

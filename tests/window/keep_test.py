@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings, and what is kept of an edit: JSON, filter script, filter history."""
+"""What is kept of an edit: JSON, filter script, filter history."""
 import json
 import os
 import re
@@ -11,28 +11,6 @@ from tool import ToolTest, numbers_of, part
 from host import replay
 from ply import Ply, bits_of, write_ply
 from shapes import dome, moved
-
-
-class Settings(ToolTest):
-    CHANGES = [("method", 1, "method", "paper"), ("membrane", 20, "membrane", 20),
-               ("method", 2, "method", "linear")]
-
-    def test_each_setting_solves_the_last_step_again(self):
-        with self.start(self.mesh) as w:
-            self.pull(w, self.CENTRE, (40, -60))
-            seen = [w.dump()]
-            for widget, value, key, expected in self.CHANGES:
-                with self.subTest(widget):
-                    w.set(part(widget), value)
-                    self.assertNotEqual(w.dump().point_bits(), seen[-1].point_bits())
-                    seen.append(w.dump())
-                    steps = self.steps_of(w)
-                    self.assertEqual(len(steps), 1)
-                    self.assertEqual(steps[0][key], expected)
-                    self.assert_replay_is_the_same(w, self.mesh)
-            w.set(part("padding"), 40)
-            self.assertEqual(self.steps_of(w)[0]["region"]["padding"], 0.4)
-            self.assert_replay_is_the_same(w, self.mesh)
 
 
 class Keep(ToolTest):
@@ -110,6 +88,28 @@ class Keep(ToolTest):
 
 
 class FilterInTheWindow(ToolTest):
+    def test_scan_is_chosen_among_the_other_layers(self):
+        """The history, and so scripts, have its name."""
+        points, faces = dome(self.ROWS, self.ROWS)
+        for k, name in enumerate(("low", "high"), 1):
+            write_ply(self.folder / f"{name}.ply", [(x, y, (1 + k / 2) * z) for x, y, z in points], faces)
+        with self.open(self.mesh, self.folder / "low.ply", self.folder / "high.ply") as w:
+            w.layer(0, current=True)
+            w.trigger("Laplacian Fit")
+            scans, = [v for v in w.ask("widgets", prefix="")["widgets"] if v.get("currentText") == "low.ply"]
+            self.assertEqual(scans["count"], 2)
+            x, y, width, height = scans["rectangle"]
+            w.x_focus()
+            w.x("mousemove", x + width // 2, y + height // 2, "click", 1)
+            self.settle(w)
+            self.x_key(w, "Down", "Return")
+            w.press_button(text="Apply")
+            w.press_button(text="Close")
+            fitted = w.dump(0)
+            self.assertGreater(max(z for _, _, z in fitted.triples()), 1.8 * max(z for _, _, z in points))  # low has 1.5
+            entry = w.history()[-1]
+            self.assertEqual((entry["name"], entry["texts"]), ("Laplacian Fit", {"scan": "high.ply"}))
+
     def test_refusal_is_in_a_box_and_in_the_log(self):
         # The default handle is at the origin.
         away = write_ply(self.folder / "away.ply", *moved((self.points, self.faces), offset=(30, 0, 0)))

@@ -32,7 +32,7 @@ class Events:
                "button": 4, "drop": 3, "navigate": 3, "suspend": 1, "select": 1, "visible": 1, "touch": 5, "list": 3,
                "cross": 3, "tabs": 1}
     # After a batch, since they take long; in turn, so that none is missing.
-    RARE = ["layer", "filter", "restart", "imported", "reloaded", "project"]
+    RARE = ["layer", "filter", "restart", "imported", "reloaded", "project", "dialog"]
 
     def __init__(self, test, window):
         self.test, self.w, self.random = test, window, random.Random(SEED)
@@ -413,6 +413,23 @@ class Events:
         self.w.wait(lambda: not self.w.widget(part("reset"))["enabled"], "the old steps can still be undone", 20)
         self.w.ask("mouse", type="release", button="left", modifiers=[], x=3, y=3)
         self.remember()
+
+    def dialog(self):
+        """An edit is saved or loaded; the mouse and keys go on while the dialog is open."""
+        saved, kept = (self.test.folder / name for name in ("saved.json", "kept.json"))
+        for name in ("save", "load"):
+            self.resume()
+            if saved.exists():
+                saved.replace(kept)  # another file of its name would open a further dialog
+            path = saved if name == "save" else kept
+            if self.w.widget(part(name))["enabled"] and (name == "save" or path.exists()):
+                self.w.ask("set", name=part(name), value=True)
+                self.w.wait_dialog()
+                for kind in self.random.choices(["drag", "brush", "key", "undo", "wheel", "setting"], k=4):
+                    self.happen(kind)
+                self.flush()
+                self.w.answer(**self.random.choice([{"path": path}, {"path": path}, {"button": "Cancel"}]))
+        self.fresh_drag()
 
     def project(self):
         self.busy()

@@ -4,7 +4,6 @@ import contextlib
 import json
 import math
 import re
-import time
 
 from gui import GuiTest
 from host import replay
@@ -73,8 +72,9 @@ class ToolTest(GuiTest):
         return round(left + x), round(top + y)
 
     def settle(self, window):
-        """Until the window has what xdotool sent: X events come by another way than the driver's questions."""
-        time.sleep(0.2)
+        """Until the window has what xdotool sent: X events come by another way than the driver's questions. The X server
+        handles another program's request once it has handled those; idle() takes the events that it then has sent."""
+        window.x("getmouselocation")
         window.idle()
 
     def x_key(self, window, *keys):
@@ -91,8 +91,8 @@ class ToolTest(GuiTest):
 
     def steps_in_log(self, window):
         """One match per applied step: handle size and region size."""
-        lines = [re.match(r"step (\d+): .*handle of (\d+) vert.*, region of (\d+) vertices, prepared in [\d.]+ ms, "
-                          r"solved in [\d.]+ ms(?:; .*)?$", line) for line in self.log_of_tool(window)]
+        lines = [re.match(r"step (\d+): .*handle of (\d+) vert.*, region of (\d+) vertices(?:; .*)?$", line)
+                 for line in self.log_of_tool(window)]
         return [{"step": int(m[1]), "handle": int(m[2]), "region": int(m[3])} for m in lines if m]
 
     def saved_edit(self, window, name="edit.json"):

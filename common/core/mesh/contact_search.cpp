@@ -509,6 +509,14 @@ void ContactSurface::find_exempt(ThreadPool& pool) {
   }
 }
 
+int ContactSurface::new_crossings(const Points& at, ThreadPool& pool) {
+  auto now = crossings(at, pool), before = crossings(rest_, pool);
+  std::sort(now.begin(), now.end());
+  std::sort(before.begin(), before.end());
+  now.erase(std::set_difference(now.begin(), now.end(), before.begin(), before.end(), now.begin()), now.end());
+  return static_cast<int>(now.size());
+}
+
 bool ContactSurface::is_clear(const Points& at, ThreadPool& pool) {
   const auto found = crossings(at, pool);
   if (!found.empty()) {

@@ -49,6 +49,8 @@ class ContactSurface {
 
   /// Returns whether nothing crosses. O(faces), and the pairs whose boxes meet.
   bool is_clear(const Points& at, ThreadPool& pool);
+  /// Returns the number of pairs of faces that cross, and do not at rest.
+  int new_crossings(const Points& at, ThreadPool& pool);
 
   /// Moves all vertices straight from one place, where nothing crosses, to another. Contacts are what is nearer than
   /// its gap at the beginning or at the end, or would cross; nearest points are those at that time. Source: M. Li, D.

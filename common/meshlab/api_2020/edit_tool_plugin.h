@@ -30,7 +30,7 @@ class HostTool : public Tool, public MeshEditInterface {
   void LayerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
     Tool::changeLayer(area, shared);
   }
-  void Decorate(MeshModel&, GLArea*, QPainter*) final { Tool::draw(); }
+  void Decorate(MeshModel&, GLArea*, QPainter* painter) final { Tool::draw(*painter); }
 };
 
 /// A plugin with one tool, named by its action and described by the action's "What's this".

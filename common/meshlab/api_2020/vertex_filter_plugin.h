@@ -34,7 +34,7 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
 
   /// meshlabserver calls this before it checks that there is a mesh.
   void initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters) override {
-    parameters = parameter_list(filter(ID(action)), current(document));
+    parameters = parameter_list(filter(ID(action)), current(document), layers(document));
   }
 
   bool applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
@@ -42,12 +42,11 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
     try {
       // The overload for std::string, since the others take a printf format.
       const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
-      std::vector<DocumentLayer> layers;
-      for (const MeshModel* model : document.meshList) {
-        layers.push_back({model->label(), model->fullName().toStdString(), &model->cm});
+      if (document.filterHistory != nullptr) {
+        name_layers(filter(ID(action)), *document.filterHistory);
       }
       Log(GLLogStream::FILTER,
-          run_filter(filter(ID(action)), parameters, current(document), file, layers, callback).log);
+          run_filter(filter(ID(action)), parameters, current(document), file, layers(document), callback).log);
       return true;
     } catch (...) {
       errorMessage = sentence_of_current_exception();
@@ -69,6 +68,14 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
  private:
   const FilterAction& filter(FilterIDType id) const { return filters_.at(static_cast<std::size_t>(id)); }
   static CMeshO* current(MeshDocument& document) { return document.mm() != nullptr ? &document.mm()->cm : nullptr; }
+
+  static std::vector<DocumentLayer> layers(const MeshDocument& document) {
+    std::vector<DocumentLayer> all;
+    for (const MeshModel* model : document.meshList) {
+      all.push_back({model->label(), model->fullName().toStdString(), &model->cm});
+    }
+    return all;
+  }
 
   QString name_;
   std::vector<FilterAction> filters_;

@@ -35,7 +35,7 @@ class HostTool : public Tool, public EditTool {
   void layerChanged(MeshDocument&, MeshModel&, GLArea* area, MLSceneGLSharedDataContext* shared) final {
     Tool::changeLayer(area, shared);
   }
-  void decorate(MeshModel&, GLArea*, QPainter*) final { Tool::draw(); }
+  void decorate(MeshModel&, GLArea*, QPainter* painter) final { Tool::draw(*painter); }
 };
 
 /// A plugin with one tool, named by its action and described by the action's "What's this".

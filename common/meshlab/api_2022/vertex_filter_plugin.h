@@ -40,7 +40,8 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
   }
 
   RichParameterList initParameterList(const QAction* action, const MeshDocument& document) override {
-    return parameter_list(filter(ID(action)), document.mm() != nullptr ? &document.mm()->cm : nullptr);
+    return parameter_list(filter(ID(action)), document.mm() != nullptr ? &document.mm()->cm : nullptr,
+                          layers(document));
   }
 
   std::map<std::string, QVariant> applyFilter(const QAction* action, const RichParameterList& parameters,
@@ -49,11 +50,8 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
     try {
       CMeshO* const mesh = document.mm() != nullptr ? &document.mm()->cm : nullptr;
       const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
-      std::vector<DocumentLayer> layers;
-      for (const MeshModel& model : document.meshIterator()) {
-        layers.push_back({model.label(), model.fullName().toStdString(), &model.cm});
-      }
-      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, layers, callback);
+      name_layers(filter(ID(action)), document.filterHistory);
+      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, layers(document), callback);
       // The overload for std::string, since the others take a printf format.
       log(GLLogStream::FILTER, outcome.log);
       changed = static_cast<unsigned int>(postCondition(action));
@@ -79,6 +77,14 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
 
  private:
   const FilterAction& filter(ActionIDType id) const { return filters_.at(static_cast<std::size_t>(id)); }
+
+  static std::vector<DocumentLayer> layers(const MeshDocument& document) {
+    std::vector<DocumentLayer> all;
+    for (const MeshModel& model : document.meshIterator()) {
+      all.push_back({model.label(), model.fullName().toStdString(), &model.cm});
+    }
+    return all;
+  }
 
   QString name_;
   std::vector<FilterAction> filters_;

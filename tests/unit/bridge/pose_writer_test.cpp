@@ -471,7 +471,6 @@ TEST(PoseWriter, KeepsNormalsThatOtherCodeSetWhereNothingHasMoved) {
   }
   scene.host.face.back().N() = Point3m(8, 8, 8);
   State changed(scene.host);
-  writer.keep_normals(scene.host);
   const std::vector<int> far = stretch(100, 20);
   const Points there = support::rows(scene.bridged.mesh.vertices, far);
   ASSERT_TRUE(writer.write(scene.host, far, there.array() + 1, true));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit_vcg/self_intersections.h"
+#include "lapedit/edit/self_intersections.h"
 
 #include <gtest/gtest.h>
 #include <vcg/complex/algorithms/clean.h>

@@ -188,17 +188,14 @@ TEST(DragGizmo, AppearsByAClickUntilAnotherHandleIsPickedAndLeavesOtherHandlesAl
 
 TEST(DragBrush, AnchorsComeFromASelection) {
   play(
-      "set radius 12; anchors none; says 'no region'; anchors 3,3; held 3,3; click 30,30; anchors 33,30 33,31 2,2 "
-      "30,30; anchor 33,30; anchor 33,31; anchor 30,30 not; held 2,2; anchors 2,2; says 'None of these vertices'; "
-      "anchor 33,30",
+      "set radius 12; anchors none; says 'No vertices are selected'; anchors 3,3; held 3,3; click 30,30; anchors 33,30 "
+      "33,31 2,2 30,30; anchor 33,30; anchor 33,31; anchor 30,30 not; held 2,2; unheld 30,30; anchors 2,2; says "
+      "'already kept fixed'; anchor 33,30",
       shapes::grid(60, 60));
 }
 
 TEST(DragBrush, AnchorsOfARegionWithoutAHandleHoldOnceThereIsOne) {
-  play(
-      "region 20,20 40,40; anchors none; says 'There is no handle yet'; anchors 33,30; silent 'There is'; click 30,30; "
-      "anchor 33,30",
-      shapes::grid(60, 60));
+  play("region 20,20 40,40; anchors 33,30; silent 'wait'; held 33,30; click 30,30; anchor 33,30", shapes::grid(60, 60));
 }
 
 TEST(DragBrush, WhatIsNotConnectedIsKeptAndSaid) {

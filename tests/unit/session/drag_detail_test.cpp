@@ -36,6 +36,12 @@ TEST(DragDetail, APaintedRegionNeedsNoHandle) {
   play_on_dent("region 16,16 44,44; set detail 0.5; set detail 0; deep 0; steps 1");
 }
 
+TEST(DragDetail, APaintedRegionTakesAMarginAtWhichADentHasEnded) {
+  play_on_dent(
+      "region 21,21 39,39; keep a; set passing detail 0.5; steps 0; cancel; same region a; same pose rest; set detail "
+      "0; deep 0; steps 1; same region a; click 30,30; same region a; undo; same pose rest; same region a");
+}
+
 TEST(DragDetail, BelongsToOneStep) {
   play_on_dent(
       "set radius 14; click 30,30; set detail 0; drag 30,30 30 0; steps 2; recorded 1 detail 1; has detail 1; set "

@@ -113,20 +113,6 @@ TEST(DragPaint, VerticesThatTheMeshLacksAreRefused) {
       shapes::grid(60, 60));
 }
 
-TEST(DragPaint, KeptAnchorsAreEnoughBeforeTheRegionIsKnown) {
-  const TriangleMesh mesh = shapes::grid(60, 60);
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  const DragSettings settings;
-  Selection selection;
-  selection.has_region = true;
-  selection.region = support::given({at(30, 30), at(30, 31), at(30, 32), at(30, 33)});
-  selection.region.anchors = {{at(30, 33)}, {1}, {1}, 3};
-  selection.groups = {{kMiddle}};
-  const Choice choice = with_anchors({mesh, adjacency, settings}, selection, {at(30, 32)});
-  ASSERT_TRUE(std::holds_alternative<Selection>(choice));
-  EXPECT_EQ(std::get<Selection>(choice).region.anchors.vertices, std::vector<int>{at(30, 32)});
-}
-
 TEST(DragPaint, HandleThatIsNotThereIsNotInverted) {
   play("paint handle; change invert; says 'Nothing is painted'", shapes::grid(60, 60));
 }

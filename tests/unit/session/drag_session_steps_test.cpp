@@ -492,7 +492,7 @@ TEST(DragSteps, EachAppliedStepIsLoggedInOneLine) {
   Window window(plate());
   window.drag(kMiddle, Vector2(40, 25));
   ASSERT_EQ(window.log.size(), 1U);
-  for (const char* expected : {"step 1", "Moving by", "1 vertex (1830)", "region of", "ms"}) {
+  for (const char* expected : {"step 1", "Moving by", "1 vertex (1830)", "region of"}) {
     EXPECT_NE(window.log[0].find(expected), std::string::npos) << window.log[0];
   }
 }
@@ -513,15 +513,13 @@ TEST(DragSteps, FiguresTellOfTheLastStep) {
   EXPECT_LT(figures.report->handle_residual, 0.1);
   EXPECT_EQ(figures.handle, 1);
   EXPECT_EQ(figures.handle + figures.free + figures.anchors + figures.fixed, 3600);
-  EXPECT_GT(figures.prepare_ms.value_or(0), 0);
-  EXPECT_GT(figures.solve_ms.value_or(0), 0);
   // The next region is ready, and what was released is still told of.
   window.session.release(window.at(kMiddle, Vector2(90, 0)));
   window.session.wait();
   EXPECT_GT(window.session.figures().report->stretch_max, figures.report->stretch_max);
   // Of another handle nothing is known before it is moved.
   window.click(kMiddle + 3);
-  EXPECT_FALSE(window.session.figures().report || window.session.figures().solve_ms);
+  EXPECT_FALSE(window.session.figures().report);
 }
 
 /// The middle dragged over the region's boundary: the plate folds there.

@@ -258,19 +258,18 @@ Answer camera(const QJsonObject&) {
 
 /// What the line over the picture says, which the tool leaves with its view when it draws.
 Answer on_screen(const QJsonObject&) {
+  constexpr int kAttempts = 20;  // the tool skips pictures while a pose is coming
   GLArea& area = gl_area();
-  MeshDocument& md = document();
-  QJsonArray texts;
-  if (area.getCurrentMeshEditor() && md.mm()) {
-    area.makeCurrent();
-    area.setProperty("laplacian_drag_line", QString());
-    draw_tool(area, *md.mm());
-    if (const QString text = area.property("laplacian_drag_line").toString(); !text.isEmpty()) {
-      texts += text;
+  QString text;
+  area.setProperty("laplacian_drag_line", QString());
+  for (int k = 0; k < kAttempts && text.isEmpty() && area.getCurrentMeshEditor() && document().mm(); ++k) {
+    if (k > 0) {
+      QCoreApplication::processEvents(QEventLoop::AllEvents, 20);
     }
-    area.repaint();  // with the right matrices, which the tool may have kept
+    area.repaint();
+    text = area.property("laplacian_drag_line").toString();
   }
-  return {{{"texts", texts}}};
+  return {{{"texts", text.isEmpty() ? QJsonArray() : QJsonArray{text}}}};
 }
 
 Answer history(const QJsonObject&) {

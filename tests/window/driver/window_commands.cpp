@@ -135,7 +135,7 @@ Answer list_widgets(const QJsonObject& arguments) {
   const QWidget* inside = arguments.contains("inside") ? &widget({{"name", arguments["inside"]}}) : nullptr;
   QJsonArray found;
   for (const QWidget* candidate : QApplication::allWidgets()) {
-    if (inside ? inside->isAncestorOf(candidate) : candidate->objectName().startsWith(prefix)) {
+    if (inside ? inside->isAncestorOf(candidate) : prefix.isEmpty() || candidate->objectName().startsWith(prefix)) {
       found += describe(*candidate);
     }
   }
@@ -269,6 +269,7 @@ Answer dialog(const QJsonObject&) {
   }
   QJsonObject result{{"class", modal->metaObject()->className()},
                      {"title", modal->windowTitle()},
+                     {"active", modal->isActiveWindow()},
                      {"number", modal->property("gui_driver_number").toInt()}};
   if (const auto* box = qobject_cast<const QMessageBox*>(modal)) {
     result["text"] = box->text() + box->informativeText();
@@ -343,7 +344,8 @@ Answer idle(const QJsonObject& arguments) {
   const bool frame = arguments["frame"].toBool();
   QElapsedTimer watch;
   watch.start();
-  int calm = 0;  // passes in a row without anything to wait for
+  QGuiApplication::sync();  // takes what the X server has sent
+  int calm = 0;             // passes in a row without anything to wait for
   while (calm < 3) {
     QCoreApplication::processEvents(QEventLoop::AllEvents, 20);
     if (!of_panels("laplacian_drag_busy").contains(true) || (frame && frames() != frames_before_event)) {

@@ -32,8 +32,4 @@ inline const FilterScript& filter_history(MeshDocument& md) {
   return *md.filterHistory;
 }
 
-inline void draw_tool(GLArea& area, MeshModel& mesh) {
-  area.getCurrentMeshEditor()->Decorate(mesh, &area, nullptr);
-}
-
 }  // namespace gui_driver
