@@ -113,6 +113,16 @@ class Transfer(ProgramTest):
                     self.assertAlmostEqual(float_of(bits), (30 + 150 * x) / 255, delta=0.02)
             self.assertEqual(len(set(v["quality"])), 1)
 
+    def test_colours_of_16_bits_onto_8(self):
+        points, faces = sheet(31, 33)
+        scan = [place(*p) for p in points], faces
+        self.scan.write_bytes(vertices("binary_little_endian", scan, ["double", "ushort", "ushort", "ushort"],
+                                       [(p, [257 * c for c in values(*p)[:3]]) for p in scan[0]]))
+        mesh = self.folder / "own.ply"
+        own = [place(*p) for p in MESH[0]], MESH[1]
+        mesh.write_bytes(vertices("ascii", own, ["float", "uchar", "uchar", "uchar"], [(p, (9, 9, 9)) for p in own[0]]))
+        self.assertEqual(set(self.fitted("--transfer", "colour", mesh=mesh).elements["vertex"]["blue"]), {77})
+
     def test_fractions_have_their_own(self):
         self.done("-q", "--fit", self.scan, self.mesh, self.out, "--transfer", "quality", "--fractions", "0.5,1", "--within", 1)
         half, whole = (Ply(self.work / f"out-000{k}.ply").elements["vertex"]["quality"] for k in (1, 2))

@@ -151,14 +151,13 @@ void replaceColumns(const MeshFile& file, const Carried& carried, Rewriter& rewr
   if (!carried.texture.empty() && carried.texture != file.texture) {
     rewriter.insert(file.headerAt, newLine + "comment TextureFile " + carried.texture);
   }
-  constexpr double kMost = 255;  // of a colour that is a whole number; as a real number it is at most 1
+  const auto white = [](const NumberType& type) {
+    return type.isReal ? 1.0 : type.size == 2 && !type.isSigned ? 65535.0 : 255.0;
+  };
   for (const CarriedColumn& column : carried.columns) {
     const FileColumn* const own = file.column(column.name);
-    const bool isReal = column.type->isReal;
-    const double none = !column.isColour() ? 0 : isReal ? 1 : kMost;
-    const double unit = own == nullptr || !column.isColour() || own->type->isReal == isReal ? 1
-                        : isReal                                                            ? kMost
-                                                                                            : 1 / kMost;
+    const double none = column.isColour() ? white(*column.type) : 0;
+    const double unit = own != nullptr && column.isColour() ? white(*own->type) / none : 1;
     if (own == nullptr) {
       rewriter.insert(file.headerAt, newLine + "property " + column.type->name + " " + column.name);
     }
