@@ -113,9 +113,9 @@ Fit::Fit(const FitProblem& problem)
   const double unit = of_.scan.size(), ratio = own.size / unit;
   constexpr double kAnotherUnit = 1000;
   if (allowed != FitAlign::Similarity && !(ratio < kAnotherUnit && ratio > 1 / kAnotherUnit)) {
-    throw EditError(ErrorCause::BadParameter, of_.scan.name() + " is " + number_text(1 / ratio) +
-                                                  " times as large as the template: bring both to the same unit, or "
-                                                  "align by a similarity.")
+    throw EditError(ErrorCause::BadParameter,
+                    "The size of " + of_.scan.name() + " is " + number_text(1 / ratio) +
+                        " times that of the template: bring both to the same unit, or align by a similarity.")
         .at("fit.to");
   }
   const auto landmarks = static_cast<Eigen::Index>(of_.landmarks.size());

@@ -36,12 +36,13 @@ Faces sound_faces(const ScanData& data, bool cloud) {
 Scan::Scan(const ScanData& data) : name_(data.name) {
   const TriangleMesh& mesh = data.mesh;
   const bool cloud = mesh.faces.rows() == 0;
+  const std::string subject = "T" + name_.substr(1);
   if (mesh.vertices.rows() == 0) {
-    throw EditError(ErrorCause::EmptyMesh, name_ + " has no points: give a mesh, or points with normals.");
+    throw EditError(ErrorCause::EmptyMesh, subject + " has no points: give a mesh, or points with normals.");
   }
   if (cloud && data.normals.rows() != mesh.vertices.rows()) {
     throw EditError(ErrorCause::BadParameter,
-                    name_ + " has neither faces nor normals: compute normals for its points, or make a mesh of it.");
+                    subject + " has neither faces nor normals: compute normals for its points, or make a mesh of it.");
   }
   if (!cloud) {
     validate(mesh);
@@ -49,22 +50,22 @@ Scan::Scan(const ScanData& data) : name_(data.name) {
   Faces faces = sound_faces(data, cloud);
   if (faces.rows() == 0) {
     throw EditError(cloud ? ErrorCause::BadParameter : ErrorCause::NotFinite,
-                    name_ + (cloud ? " has no point with a normal: compute its normals."
-                                   : " has no triangle with an area: give the surface of a scan."));
+                    subject + (cloud ? " has no point with a normal: compute its normals."
+                                     : " has no triangle with an area: give the surface of a scan."));
   }
   const SurfaceSize measured = size_of(mesh.vertices, faces);
   origin_ = measured.centroid;
   size_ = measured.size;
   constexpr double kRounding = 1e-12;
   if (!(size_ > kRounding * origin_.norm()) || !std::isfinite(size_)) {
-    throw EditError(ErrorCause::NotFinite, name_ + " is a single point or triangle: give the surface of a scan.");
+    throw EditError(ErrorCause::NotFinite, subject + " is a single point or triangle: give the surface of a scan.");
   }
   constexpr double kLargest = 1e60, kSmallest = 1e-60;  // fourth powers of lengths have to be numbers
   if (origin_.norm() > kLargest || size_ > kLargest || size_ < kSmallest) {
     throw EditError(ErrorCause::BadParameter,
-                    name_ + format_text(" has a size of %.3g at %.3g from the origin, but a fit needs a size above "
-                                        "%.0e and coordinates below %.0e: use another unit of length.",
-                                        size_, origin_.norm(), kSmallest, kLargest));
+                    subject + format_text(" has a size of %.3g at %.3g from the origin, but a fit needs a size above "
+                                          "%.0e and coordinates below %.0e: use another unit of length.",
+                                          size_, origin_.norm(), kSmallest, kLargest));
   }
   Points points = (mesh.vertices.rowwise() - origin_.transpose()) / size_;
   // sqrt(area / n): at size 1 a sphere has area 6, a disc 3.

@@ -13,8 +13,8 @@ namespace lapedit {
 /// The surface that a template is fitted to: a mesh, or points with normals if it has no faces.
 struct ScanData {
   TriangleMesh mesh;
-  Points normals;  ///< one per vertex, of any length; none: those of the faces
-  std::string name = "the scan";
+  Points normals;                 ///< one per vertex, of any length; none: those of the faces
+  std::string name = "the scan";  ///< in messages, begins with "the"
   std::vector<int> selected_faces = {};
 };
 

@@ -27,7 +27,7 @@ VertexFinder::VertexFinder(const TriangleMesh& mesh)
       tree_(mesh.vertices, usable_) {
   if (usable_.empty()) {
     throw EditError(ErrorCause::NotFinite,
-                    "No vertex of the mesh has three finite coordinates: repair the mesh first.");
+                    "No vertex of a face has three finite coordinates: give a mesh with faces, or repair it.");
   }
 }
 
