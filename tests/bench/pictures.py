@@ -130,7 +130,7 @@ def cells():
     """The cells of the limb, before and after its end is bent back."""
     (mesh, edit), colours = bent_limb(), OUTPUT / "cells.txt"
     with colours.open("w") as out:
-        subprocess.run([BUILD / "tests/cell_colours", "7.5", *map(str, mesh.near((10, 0, 0), 1))], stdout=out, check=True)
+        subprocess.run([BUILD / "tests/unit/cell_colours", "7.5", *map(str, mesh.near((10, 0, 0), 1))], stdout=out, check=True)
     render("cells", [(mesh.path, "cells at rest", colours), (mesh.edited("cells", edit)[0], "after the edit", colours)], LIMB)
 
 
