@@ -158,26 +158,30 @@ RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh,
   return list;
 }
 
+bool has_chosen_layer(const FilterAction& filter, const RichParameterList& given) {
+  return std::any_of(filter.parameters.begin(), filter.parameters.end(), [&given](const Parameter& parameter) {
+    return chosen_layer(parameter, given.getParameterByName(parameter.name)).has_value();
+  });
+}
+
 void name_layers(const FilterAction& filter, FilterScript& history) {
   if (history.isEmpty() || history.last().filterName() != filter.name) {
     return;
   }
   RichParameterList& last = history.last().second;
+  if (!has_chosen_layer(filter, last)) {
+    return;
+  }
   RichParameterList named;
-  bool has_list = false;
   for (const Parameter& parameter : filter.parameters) {
     const RichParameter& given = last.getParameterByName(parameter.name);
-    const std::optional<QString> chosen = chosen_layer(parameter, given);
-    has_list |= chosen.has_value();
-    if (chosen) {
+    if (const std::optional<QString> chosen = chosen_layer(parameter, given)) {
       named.addParam(RichString(parameter.name, *chosen, parameter.label, parameter.help));
     } else {
       named.addParam(given);
     }
   }
-  if (has_list) {
-    last = named;
-  }
+  last = named;
 }
 
 FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,

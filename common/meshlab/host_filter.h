@@ -18,6 +18,9 @@ namespace lapedit::host {
 RichParameterList parameter_list(const FilterAction& filter, const CMeshO* mesh,
                                  const std::vector<DocumentLayer>& layers);
 
+/// Returns whether a layer was chosen from a list.
+bool has_chosen_layer(const FilterAction& filter, const RichParameterList& given);
+
 /// Replaces layers chosen from a list by their names in the last entry of the history, if it is of the filter, since
 /// scripts have names.
 void name_layers(const FilterAction& filter, FilterScript& history);

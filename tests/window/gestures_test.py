@@ -32,11 +32,12 @@ class Gestures(ToolTest):
         return w.layers()[0]["modified"]
 
     def x_save(self, w):
+        saved = w.text().count("Saved Mesh")
         w.x_focus()
         w.x("key", "ctrl+e")
         w.wait_dialog(has_keys=True)
         w.x("key", "Return")
-        w.wait(lambda: not self.is_modified(w), "the mesh is not saved")
+        w.wait(lambda: w.text().count("Saved Mesh") > saved, "the mesh is not saved")
         w.x_focus()
 
     def last_step(self, w):
@@ -66,8 +67,9 @@ class Gestures(ToolTest):
             shown = w.dump()
             self.assertNotEqual(shown.moved(before), set())
             self.assertEqual((Ply(mesh).point_bits(), Ply(mesh).faces()), (shown.point_bits(), shown.faces()))
+            modified = self.is_modified(w)  # after Export, which MeshLab 2020.09 alone takes for saving
             x, y = self.pull(w, self.CENTRE, (20, 10), release=False)
-            self.assertFalse(self.is_modified(w), "a passing pose")
+            self.assertEqual(self.is_modified(w), modified, "a passing pose")
             w.mouse("release", x, y)
             w.wait(lambda: self.is_modified(w), "an applied step is to be saved")
             self.x_save(w)

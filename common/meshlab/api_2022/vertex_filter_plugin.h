@@ -4,6 +4,7 @@
 #include <common/plugins/interfaces/filter_plugin.h>
 
 #include <QObject>
+#include <QTimer>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -50,7 +51,11 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
     try {
       CMeshO* const mesh = document.mm() != nullptr ? &document.mm()->cm : nullptr;
       const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
-      name_layers(filter(ID(action)), document.filterHistory);
+      if (has_chosen_layer(filter(ID(action)), parameters)) {
+        // MeshLab's window adds to its history after this.
+        QTimer::singleShot(0, &document,
+                           [this, action, &document] { name_layers(filter(ID(action)), document.filterHistory); });
+      }
       FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, layers(document), callback);
       // The overload for std::string, since the others take a printf format.
       log(GLLogStream::FILTER, outcome.log);
