@@ -51,14 +51,14 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
     try {
       CMeshO* const mesh = document.mm() != nullptr ? &document.mm()->cm : nullptr;
       const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
+      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, layers(document), callback);
+      // The overload for std::string, since the others take a printf format.
+      log(GLLogStream::FILTER, outcome.log);
       if (has_chosen_layer(filter(ID(action)), parameters)) {
         // MeshLab's window adds to its history after this.
         QTimer::singleShot(0, &document,
                            [this, action, &document] { name_layers(filter(ID(action)), document.filterHistory); });
       }
-      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, layers(document), callback);
-      // The overload for std::string, since the others take a printf format.
-      log(GLLogStream::FILTER, outcome.log);
       changed = static_cast<unsigned int>(postCondition(action));
       return std::move(outcome.figures);
     } catch (...) {
