@@ -43,7 +43,7 @@ bool SessionMouse::press(const Cursor& cursor, PressModifiers modifiers) {
   if (!cursor.view.valid()) {
     return true;
   }
-  if (solver_.waits()) {
+  if (solver_.waits() || !waiting_.empty()) {
     waiting_.push_back({Event::Kind::Press, cursor, modifiers});
     return true;
   }

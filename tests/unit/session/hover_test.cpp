@@ -135,5 +135,21 @@ TEST(Hover, OutlinesWithoutMemoryAreReportedAndThePressAfterItTriesAgain) {
   EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{other}});
 }
 
+TEST(Hover, PressesThatComeBeforeTheirOutlinesAreTakenInOrder) {
+  support::Window window(shapes::grid(200, 200));
+  DragSettings settings = window.session.settings();
+  settings.radius = settings.first_radius = 20;
+  window.session.set_settings(settings);
+  window.session.hover(window.at(20100), {});
+  window.session.wait();
+  for (const int vertex : {10050, 30150}) {
+    window.press(vertex);
+    window.session.release(window.at(vertex));
+  }
+  poll_until_idle(window.session);
+  EXPECT_FALSE(window.session.busy());
+  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{30150}});
+}
+
 }  // namespace
 }  // namespace lapedit::hover_test
