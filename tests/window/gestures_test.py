@@ -115,6 +115,7 @@ class Gestures(ToolTest):
                 w.x("mousemove", round(left + width * fraction), top + height // 2, "sleep", 0.1)
             w.wait(lambda: math.dist(w.dump().triples()[self.CENTRE], full) > 0.01, "nothing is shown", 20)
             w.x("mouseup", 1)
+            self.settle(w)  # before a dialog, to which the release would go
             w.wait(lambda: self.last_step(w)["handles"][0]["translation"] != whole, "nothing was applied", 20)
             percent = w.widget(part("last_fraction"))["value"]
             self.assertTrue(30 < percent < 70, percent)
