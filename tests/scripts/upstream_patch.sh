@@ -88,26 +88,21 @@ END
 row() {
   local name=$1
   shift
-  printf '| %s | %d | %d |\n' "$name" $# "$(cat "$@" | wc -l)"
+  printf '|%s|%d|%d|\n' "$name" $# "$(cat "$@" | wc -l)"
 }
 of() {
   find "$@" \( -name '*.cpp' -o -name '*.h' \)
 }
 {
-  echo '| Part | Files | Lines |'
-  echo '| --- | --- | --- |'
-  # shellcheck disable=SC2016,SC2046 # Markdown; and no name has a space
+  echo '|Part|Files|Lines|'
+  echo '|---|---|---|'
+  # shellcheck disable=SC2046 # no name has a space
   {
-    row 'core, without the tool'"'"'s session' $(of "$filter/lapedit")
-    row 'host layer' $(of "$filter/lapedit_host")
-    row 'filters' $(of "$filter" -maxdepth 1)
+    row "core, without the tool's session" $(of "$filter/lapedit")
     row 'session of the tool' $(of "$tool/lapedit")
-    row 'tool' $(of "$tool" -maxdepth 1)
-    row 'two `CMakeLists.txt`, resource list' "$filter/CMakeLists.txt" "$tool/CMakeLists.txt" "$tool"/*.qrc
-    row 'all, with two lines more in `src/CMakeLists.txt`, and an icon' $(find "$folder" -type f ! -name '*.png')
+    row 'tool, filters, host layer' $(of "$filter/lapedit_host") $(of "$filter" "$tool" -maxdepth 1)
+    row "all, with CMake's files, lists and an icon" $(find "$folder" -type f ! -name '*.png')
     row 'omitted: the program' $(of common/cli)
-    row 'omitted: other MeshLabs' $(of common/meshlab/api_2020 common/meshlab/api_2022/parameters_2022)
-    row 'omitted: finding MeshLab, packages' $(find common/cmake common/scripts -type f)
   }
 } | tee "$folder/size.md"
 [ -n "$build" ] || exit 0
