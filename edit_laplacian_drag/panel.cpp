@@ -200,6 +200,9 @@ bool Panel::eventFilter(QObject* object, QEvent* event) {
     event->ignore();
     return true;
   }
+  if (auto* const slider = qobject_cast<QSlider*>(object); slider && type == QEvent::WindowDeactivate) {
+    slider->setSliderDown(false);  // the dialog that opens would take the mouse button's release
+  }
   const bool key = type == QEvent::ShortcutOverride || type == QEvent::KeyPress;
   if (key && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) {
     event->accept();
