@@ -41,6 +41,28 @@ void background(QPainter& painter, const QRect& rectangle, const QColor& color) 
   painter.drawRoundedRect(rectangle, 5, 5);
 }
 
+using Paragraphs = std::vector<std::pair<QString, QColor>>;
+
+Paragraphs paragraphsOf(const StatusLine& line) {
+  return {
+      {line.text, Qt::white}, {line.warningAndClick(), colorOf(pen::kYellow)}, {line.position, QColor(190, 200, 210)}};
+}
+
+int widestOf(const QPainter& painter) {
+  return std::min(kWidest, painter.window().width() - 2 * kMargin) - 2 * kPadding;
+}
+
+/// Returns the size of the line with its margin, and sets the font.
+QSize sizeOf(QPainter& painter, const StatusLine& line) {
+  setFont(painter, kFontPixels);
+  QSize size(0, 2 * kPadding);
+  for (const auto& [paragraph, color] : paragraphsOf(line)) {
+    const QSize needed = sizeOf(painter, widestOf(painter), paragraph);
+    size = QSize(std::max(size.width(), needed.width() + 2 * kPadding + 2), size.height() + needed.height());
+  }
+  return size;
+}
+
 }  // namespace
 
 PaintsTexts::PaintsTexts(QPainter& painter) : painter_(painter) {
@@ -65,21 +87,21 @@ PaintsTexts::~PaintsTexts() {
   glPopAttrib();
 }
 
+StatusLine fitted(QPainter& painter, StatusLine line) {
+  const int room = painter.window().height() / 4;
+  for (QString* const part : {&line.text, &line.warning}) {
+    while (part->contains(". ") && sizeOf(painter, line).height() > room) {
+      part->truncate(part->lastIndexOf(". ") + 1);
+    }
+  }
+  if (sizeOf(painter, line).height() > room) {
+    line.position.clear();
+  }
+  return line;
+}
+
 QRect drawLine(QPainter& painter, const StatusLine& line, const QVector<QPointF>& avoid) {
-  setFont(painter, kFontPixels);
-  const QSize view = painter.window().size();
-  const int widest = std::min(kWidest, view.width() - 2 * kMargin) - 2 * kPadding;
-  QString text = line.text;  // its last sentences are dropped where they would cover the picture
-  while (text.contains(". ") && sizeOf(painter, widest, text).height() > view.height() / 8) {
-    text.truncate(text.lastIndexOf(". ") + 1);
-  }
-  const std::pair<QString, QColor> paragraphs[] = {
-      {text, Qt::white}, {line.warning, colorOf(pen::kYellow)}, {line.position, QColor(190, 200, 210)}};
-  QSize size(0, 2 * kPadding);
-  for (const auto& [paragraph, color] : paragraphs) {
-    const QSize needed = sizeOf(painter, widest, paragraph);
-    size = QSize(std::max(size.width(), needed.width() + 2 * kPadding + 2), size.height() + needed.height());
-  }
+  const QSize view = painter.window().size(), size = sizeOf(painter, line);
   QRect rectangle(QPoint((view.width() - size.width()) / 2, kMargin), size);
   const QRectF kept = rectangle.adjusted(-kClearance, -kClearance, kClearance, kClearance);
   if (std::any_of(avoid.begin(), avoid.end(), [&](const QPointF& pixel) { return kept.contains(pixel); })) {
@@ -87,10 +109,11 @@ QRect drawLine(QPainter& painter, const StatusLine& line, const QVector<QPointF>
   }
   background(painter, rectangle, line.warning.isEmpty() ? QColor(18, 18, 22, 175) : QColor(96, 34, 0, 215));
   int y = rectangle.top() + kPadding;
-  for (const auto& [paragraph, color] : paragraphs) {
+  for (const auto& [paragraph, color] : paragraphsOf(line)) {
     painter.setPen(color);
-    painter.drawText(QRect(rectangle.left() + kPadding, y, widest, kHighest), Qt::TextWordWrap, paragraph);
-    y += sizeOf(painter, widest, paragraph).height();
+    const QRect place(rectangle.left() + kPadding, y, widestOf(painter), kHighest);
+    painter.drawText(place, Qt::TextWordWrap, paragraph);
+    y += sizeOf(painter, place.width(), paragraph).height();
   }
   return rectangle;
 }

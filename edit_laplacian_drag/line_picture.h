@@ -25,8 +25,14 @@ class PaintsTexts {
 struct StatusLine {
   QString text;           ///< what happens, or what the next click does
   QString warning = {};   ///< shown in another colour; empty: none
+  QString click = {};     ///< what a click on the line does, after the warning
   QString position = {};  ///< vertex under the cursor; empty: none
+
+  QString warningAndClick() const { return (warning + " " + click).trimmed(); }
 };
+
+/// Returns the line without the last sentences, and the position, that would cover more than a quarter of the view.
+StatusLine fitted(QPainter& painter, StatusLine line);
 
 /// Draws the line at the top of the view, or at its bottom if it would cover a pixel to avoid.
 /// @param avoid  pixels that the line should not cover. @return its rectangle

@@ -123,7 +123,7 @@ StatusLine LaplacianDragTool::line(bool usable) {
   if (const std::string warning = session.warning(); !warning.empty() && notice_.isEmpty()) {
     line.warning = QString::fromStdString(warning);
     if (!session.motion() && !shown_.warning) {
-      line.warning += tr(" Click here to see where.");
+      line.click = tr("Click here to see where.");
     }
   }
   if (const HoverPreview* const hover = session.hover(); hover && !window_.suspended() && !session.motion()) {
@@ -153,10 +153,11 @@ QVector<QPointF> LaplacianDragTool::notToCover() const {
 }
 
 void LaplacianDragTool::drawTexts(QPainter& painter, const StatusLine& line, bool hasLegend) {
-  QStringList texts{line.text, line.warning, line.position};
+  const PaintsTexts paints(painter);
+  const StatusLine shown = fitted(painter, line);
+  QStringList texts{shown.text, shown.warningAndClick(), shown.position};
   texts.removeAll(QString());
   window_.viewport().setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
-  const PaintsTexts paints(painter);
   if (hasLegend) {
     drawLegend(painter);
   }
@@ -164,7 +165,7 @@ void LaplacianDragTool::drawTexts(QPainter& painter, const StatusLine& line, boo
   if (shown_.keys) {
     drawKeys(painter);
   } else if (!texts.isEmpty()) {
-    line_ = drawLine(painter, line, notToCover());
+    line_ = drawLine(painter, shown, notToCover());
   }
 }
 

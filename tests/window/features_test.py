@@ -55,6 +55,18 @@ class Start(ToolTest):
             w.set(part("group_advanced"), False)
             self.assertFalse(w.widget(part("membrane"))["visible"])
 
+    def test_line_is_shorter_in_a_narrow_view(self):
+        with self.start(self.mesh, disc=40) as w:
+            w.resize(620, 480)
+            self.pull(w, self.CENTRE, (150, -40))
+            w.idle()
+            text = self.message(w)
+            self.assertLess(len(text), 300)  # all that is to say has 540 letters
+            self.assertRegex(text, r"^Drag the handle[^.]*\.\s.*folded[^.]*\.? .* Click here to see where\.$")
+            w.resize(1280, 900)
+            w.idle()
+            self.assertRegex(self.message(w), "(?s)Click inside the region.*passes.*Click here to see where")
+
     def test_few_inputs_are_shown(self):
         """At most 38, 18 of them in Basic, at rest and during a motion, when Apply and Cancel replace others."""
         kinds = ("NumberBox", "QSpinBox", "QSlider", "QComboBox", "QCheckBox", "QPushButton", "QLineEdit", "QListWidget")
