@@ -73,11 +73,7 @@ void Correspondences::look(const SurfaceIndex& on, const Vector3& point, const V
   constexpr double kPlate = 0.1;  // of the scan's size
   const bool to_scan = &on == &scan_.surface();
   pair.at = on.nearest(point, pair.at.face);
-  const auto faces_here = [&] {
-    const Vector3 other = side_ * on.normal(pair.at);
-    return other.norm() > 0 && other.dot(normal) >= with_.cosine * other.norm();
-  };
-  if (!on.ends_at(pair.at) && !faces_here()) {
+  if (!on.ends_at(pair.at) && !on.faces_along(pair.at, side_ * normal, with_.cosine)) {
     const double nearest = pair.at.squared;
     pair.at = on.nearest_facing(point, side_ * normal, with_.cosine, kPlate);
     pair.at.squared = nearest;

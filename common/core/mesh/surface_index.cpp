@@ -282,12 +282,14 @@ NearestPoint SurfaceIndex::nearest_facing(const Vector3& point, const Vector3& n
                                           double limit) const {
   NearestPoint best;
   best.squared = limit * limit;
-  const auto accept = [&](const NearestPoint& at) {
-    const Vector3 own = this->normal(at);
-    return own.norm() > 0 && own.dot(normal) >= cosine * own.norm();
-  };
-  search(point, -1, accept, best);
+  search(
+      point, -1, [&](const NearestPoint& at) { return faces_along(at, normal, cosine); }, best);
   return best;
+}
+
+bool SurfaceIndex::faces_along(const NearestPoint& at, const Vector3& direction, double cosine) const {
+  const Vector3 own = normal(at);
+  return own.norm() > 0 && own.dot(direction) >= cosine * own.norm();
 }
 
 Vector3 SurfaceIndex::interpolated(const Points& rows, const NearestPoint& at) const {

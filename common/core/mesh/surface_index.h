@@ -41,11 +41,13 @@ class SurfaceIndex {
   /// Returns the nearest point, on the face of the lowest number of several.
   /// @param hint  a face that may be near, which makes the search faster; -1: none
   NearestPoint nearest(const Vector3& point, int hint = -1) const;
-  /// Likewise, of points nearer than `limit` whose normals have at least this cosine to a unit one. @return face -1:
-  /// none
+  /// Likewise, of the points nearer than `limit` that face along `normal`. @return face -1: none
   NearestPoint nearest_facing(const Vector3& point, const Vector3& normal, double cosine, double limit) const;
   Vector3 position(const NearestPoint& at) const { return interpolated(points_, at); }
   Vector3 normal(const NearestPoint& at) const { return interpolated(normals_, at); }  ///< of a length up to 1
+  /// Returns whether the surface faces at a nearest point along a unit vector: its normal has at least this cosine to
+  /// it.
+  bool faces_along(const NearestPoint& at, const Vector3& direction, double cosine) const;
   /// Returns whether a nearest point is on the border, so that the surface may end there.
   bool ends_at(const NearestPoint& at) const;
 
