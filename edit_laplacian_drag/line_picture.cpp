@@ -119,7 +119,9 @@ QRect drawLine(QPainter& painter, const StatusLine& line, const QVector<QPointF>
 }
 
 void drawKeys(QPainter& painter) {
-  constexpr int kWidth = 620, kNames = 130, kTexts = kWidth - kNames - 2 * kPadding;
+  constexpr int kWidth = 620, kNames = 130;
+  const QSize view = painter.window().size();
+  const int width = std::min(kWidth, view.width()), texts = std::max(kNames, width - kNames - 2 * kPadding);
   std::vector<std::pair<const char*, const char*>> rows = {
       {"press and drag", "Moves the handle, or takes a new one with the region around it."},
       {"click", "Takes a handle and shows its region; on a handle: shows arrows and rings."},
@@ -130,20 +132,19 @@ void drawKeys(QPainter& painter) {
     rows.emplace_back(help.name, help.does);
   }
   setFont(painter, kFontPixels - 1);
-  const auto height = [&](const char* text) { return sizeOf(painter, kTexts, text).height() + 2; };
+  const auto height = [&](const char* text) { return sizeOf(painter, texts, text).height() + 2; };
   int total = 2 * kPadding;
   for (const auto& [name, does] : rows) {
     total += height(does);
   }
-  const QSize view = painter.window().size();
-  const int x = (view.width() - kWidth) / 2, top = std::max(0, (view.height() - kLinesOfMeshLab - total) / 2);
-  background(painter, QRect(x, top, kWidth, total), QColor(18, 18, 22, 225));
+  const int x = (view.width() - width) / 2, top = std::max(0, (view.height() - kLinesOfMeshLab - total) / 2);
+  background(painter, QRect(x, top, width, total), QColor(18, 18, 22, 225));
   int y = top + kPadding;
   for (const auto& [name, does] : rows) {
     painter.setPen(colorOf(pen::kYellow));
     painter.drawText(x + kPadding, y, kNames, kHighest, Qt::AlignLeft, name);
     painter.setPen(Qt::white);
-    painter.drawText(x + kPadding + kNames, y, kTexts, kHighest, Qt::TextWordWrap, does);
+    painter.drawText(x + kPadding + kNames, y, texts, kHighest, Qt::TextWordWrap, does);
     y += height(does);
   }
 }
