@@ -488,15 +488,6 @@ TEST(DragSteps, EditOfAnotherMeshIsRefused) {
   EXPECT_TRUE(same_bits(other.host(), other.session.original().vertices));
 }
 
-TEST(DragSteps, EachAppliedStepIsLoggedInOneLine) {
-  Window window(plate());
-  window.drag(kMiddle, Vector2(40, 25));
-  ASSERT_EQ(window.log.size(), 1U);
-  for (const char* expected : {"step 1", "Moving by", "1 vertex (1830)", "region of"}) {
-    EXPECT_NE(window.log[0].find(expected), std::string::npos) << window.log[0];
-  }
-}
-
 TEST(DragSteps, FiguresTellOfTheLastStep) {
   Window window(plate());
   window.press(kMiddle);
