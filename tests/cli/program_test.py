@@ -6,6 +6,7 @@ import pathlib
 import pty
 import re
 import resource
+import shutil
 import subprocess
 import unittest
 
@@ -32,6 +33,10 @@ class Usage(ProgramTest):
             done = subprocess.check_output(["bash", "-c", script, SOURCES / "completion.bash", COMMAND, word], encoding="utf-8")
             self.assertEqual(set(done.split()), expected)
         self.assertRegex(self.done("--version"), r"\Alaplacian-edit \d+\.\d+\.\d+\n\Z")
+
+    @unittest.skipUnless(shutil.which("readelf"), "needs readelf")
+    def test_loads_no_library_of_meshlab_or_qt_and_none_from_another_folder(self):
+        self.assertNotRegex(subprocess.check_output(["readelf", "-d", COMMAND], encoding="utf-8"), r"meshlab|Qt5|R(UN)?PATH")
 
     def test_wrong_usage(self):
         two, points = (self.mesh, "out.ply"), self.folder / "from.csv"
