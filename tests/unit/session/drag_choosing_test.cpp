@@ -337,22 +337,6 @@ TEST(DragGizmo, BoundaryIsTheMiddleOfWhatHoldsAnArm) {
   EXPECT_EQ(window.session.pivot_position(), centroid(positions, window.session.selection().groups.at(0)));
 }
 
-TEST(DragKeys, ControlGoesInSteps) {
-  Window window(shapes::grid(60, 60));
-  as_found(window);
-  window.click(kMiddle);
-  window.keys("r");
-  Cursor cursor = window.at(Vector2(500, 500));
-  window.session.move(cursor);
-  cursor.pixel = Vector2(400, 520);
-  cursor.snap = true;
-  window.session.move(cursor);
-  ASSERT_NE(window.session.motion(), nullptr);
-  const double degrees = window.session.motion()->transform().degrees;
-  EXPECT_NE(degrees, 0);
-  EXPECT_NEAR(std::remainder(degrees, 15), 0, 1e-9);
-}
-
 // --- Symmetry, soft handles, near pieces -----------------------------------------------------------------------------
 
 TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
