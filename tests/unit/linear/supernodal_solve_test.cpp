@@ -145,8 +145,8 @@ class SupernodalSolve : public ::testing::Test {
 using Scalars = ::testing::Types<double, float>;
 TYPED_TEST_SUITE(SupernodalSolve, Scalars, );  // clang wants the empty argument
 
-/// Fails on any tile, panel, row list or branch that is read wrongly, if the order of sums depends on who finishes first,
-/// or if a solve leaves something behind for the next.
+/// Fails on any tile, panel, row list or branch that is read wrongly, if the order of sums depends on who finishes
+/// first, or if a solve leaves something behind for the next.
 TYPED_TEST(SupernodalSolve, AgreesWithADenseSolveToTheSameBitsForAnyNumberOfThreads) {
   for (const Factor& factor : factors()) {
     ThreadPool one(1);
