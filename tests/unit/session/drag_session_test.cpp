@@ -214,18 +214,6 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   EXPECT_NEAR(spread(after) / spread(before), 1.5, 0.03);
 }
 
-/// Fails if the line over the picture does not say why frames are slow, or says it where they are not.
-TEST(DragSession, SaysWhereFramesAreFullSolutions) {
-  for (const EditMethod method : {EditMethod::Default, EditMethod::Paper}) {
-    Window window(hills());
-    window.change([method](DragSettings& s) { s.edit = EditSettings::of(method); });
-    window.click(kMiddle);
-    window.press(kMiddle);
-    window.session.move(window.at(window.at(kMiddle).pixel + Vector2(20, 10)));
-    EXPECT_EQ(window.says("each frame is a full solution"), method == EditMethod::Paper);
-  }
-}
-
 TEST(DragSession, RotatingOrScalingASingleVertexIsRefused) {
   play(
       "click 30,30; keys r; state picked; says 'Turning needs a handle of several vertices, and this one is vertex "
