@@ -150,6 +150,11 @@ class Edits(ProgramTest):
         self.refused(ADVISED, r"nothing was written: step 2 of 2, ", self.mesh, "out.ply", edit, "--strict", "--quiet")
         self.done(self.mesh, "out.ply", self.write_edit(low), "--strict")
 
+    def test_a_refusal_names_step_and_fraction(self):
+        far = {**LIFT, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 1e39]}]}
+        self.refused(REFUSED, r"\AStep 2 of 2: At fraction 0\.5: The result does not fit", self.mesh, "out.ply", self.write_edit(LIFT, far),
+                     "--fractions", "0,0.5")
+
     def test_landmarks(self):
         start, end, (x, y, z) = self.work / "from.csv", self.work / "to.csv", POINTS[CENTRE]
         start.write_text(f"nose,{x},{y},{z}\nchin,0,0,0\n")
