@@ -168,6 +168,12 @@ TEST(Edit, SizesOutsideTheRangeOfFourthPowersAreRefused) {
                            "Handle group 0 is to move by 1e+77");
 }
 
+TEST(Edit, FractionOutsideZeroToOneIsRefused) {
+  for (const double fraction : {-0.1, 1.25, std::nan("")}) {
+    refusal(ErrorCause::BadParameter, test_mesh(), edit_of({pull({kMiddle}, {0, 0, 3})}), fraction);
+  }
+}
+
 TEST(Edit, OtherMeshIsRefusedWithBothNumbers) {
   const TriangleMesh mesh = test_mesh();
   const auto expect_refused = [&](const Edit& edit, const std::string& wanted, const std::string& found) {

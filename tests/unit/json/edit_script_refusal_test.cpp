@@ -133,6 +133,8 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "landmarks: \"no.pp\" is not the path of a file."},
       {"{'landmarks': {'from': 'no.pp'}}", "landmarks.to: expected a text, but the key is missing."},
       {"{'vertices': true}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found true."},
+      {"{'selected': 1}", "selected: expected true, found the number 1."},
+      {"{'vertices': []}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found a list of length 0."},
       {"{'vertices': [1, 2.5]}", "vertices[1]: expected a whole number from 0 to 2147483647, found the number 2.5."},
       {"{'vertices': [1, '2;3']}", "vertices[1]: \"2;3\" is no vertex number or range"},
       {"{'vertices': '1', 'translation': 1}", "translation: expected a list of 3 numbers, found the number 1."},
