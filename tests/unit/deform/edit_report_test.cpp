@@ -189,6 +189,9 @@ TEST_F(ReportOfAnEdit, RotationLeftIsThatOfTheLastPass) {
 }
 
 TEST(EditReport, TextHoldsEveryNumber) {
+  for (const char* absent : {"stay", "move along", "normal radius", "stopped", "Fit to"}) {
+    EXPECT_EQ(EditReport().text().find(absent), std::string::npos) << absent;
+  }
   EditReport r;
   r.handle = 90001;
   r.free = 90002;
