@@ -121,7 +121,7 @@ class Gestures(ToolTest):
             for a, b in zip(self.last_step(w)["handles"][0]["translation"], whole):
                 self.assertAlmostEqual(a, b * percent / 100, places=9)
             w.set(part("last_value"), "{}, 0.1, {}".format(*self.last_step(w)["handles"][0]["translation"][::2]))
-            self.assertAlmostEqual(self.last_step(w)["handles"][0]["translation"][1], 0.1, places=6)
+            self.assertAlmostEqual(self.last_step(w)["handles"][0]["translation"][1], 0.1 * percent / 100, places=6)
 
 
 if __name__ == "__main__":
