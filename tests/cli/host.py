@@ -109,10 +109,6 @@ class Result:
         self.output = output if output.exists() else None  # path of the mesh that was written
 
 
-def without_display(environment):
-    return {name: value for name, value in environment.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
-
-
 class HostTest(unittest.TestCase):
     """A test case with its own folder and home, and with its own X server if `screen` has a size."""
     screen = None

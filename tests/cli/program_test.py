@@ -6,6 +6,7 @@ import pathlib
 import pty
 import re
 import resource
+import shutil
 import subprocess
 import unittest
 
@@ -32,6 +33,10 @@ class Usage(ProgramTest):
             done = subprocess.check_output(["bash", "-c", script, SOURCES / "completion.bash", COMMAND, word], encoding="utf-8")
             self.assertEqual(set(done.split()), expected)
         self.assertRegex(self.done("--version"), r"\Alaplacian-edit \d+\.\d+\.\d+\n\Z")
+
+    @unittest.skipUnless(shutil.which("readelf"), "needs readelf")
+    def test_loads_no_library_of_meshlab_or_qt_and_none_from_another_folder(self):
+        self.assertNotRegex(subprocess.check_output(["readelf", "-d", COMMAND], encoding="utf-8"), r"meshlab|Qt5|R(UN)?PATH")
 
     def test_wrong_usage(self):
         two, points = (self.mesh, "out.ply"), self.folder / "from.csv"
@@ -145,6 +150,11 @@ class Edits(ProgramTest):
         self.refused(ADVISED, r"nothing was written: step 2 of 2, ", self.mesh, "out.ply", edit, "--strict", "--quiet")
         self.done(self.mesh, "out.ply", self.write_edit(low), "--strict")
 
+    def test_a_refusal_names_step_and_fraction(self):
+        far = {**LIFT, "handles": [{"vertices": str(CENTRE), "translation": [0, 0, 1e39]}]}
+        self.refused(REFUSED, r"\AStep 2 of 2: At fraction 0\.5: The result does not fit", self.mesh, "out.ply", self.write_edit(LIFT, far),
+                     "--fractions", "0,0.5")
+
     def test_landmarks(self):
         start, end, (x, y, z) = self.work / "from.csv", self.work / "to.csv", POINTS[CENTRE]
         start.write_text(f"nose,{x},{y},{z}\nchin,0,0,0\n")
@@ -167,13 +177,20 @@ class Edits(ProgramTest):
         text = self.done("--nearest", "0.5,0.5,0.3", "--nearest=0,0,0", self.mesh, "--info")
         self.assertRegex(text, rf"(?s)\Avertices: .*\nvertex: {CENTRE}, position: 0\.5,0\.5,\S+, distance: \S+\nvertex: 0, .*: 0\n\Z")
 
-
     def test_a_face_that_names_a_corner_twice_or_is_repeated_changes_no_bit(self):
-        expected = MeshBytes("dome.ply", self.edited()).points
+        wide = {**LIFT, "region": {**LIFT["region"], "tips": True, "pieces": True, "connect": 0.1}}
+        edits = [self.write_edit({**step, "method": method}, name=f"{method}{step is wide}.json")
+                 for step in (LIFT, wide) for method in ("default", "paper", "linear")]
+
+        def results():
+            for edit in edits:
+                (step,) = self.report(edit)["outputs"][0]["steps"]
+                yield MeshBytes("out.ply", (self.work / "out.ply").read_bytes()).points, {**step, "milliseconds": None}
+        expected = list(results())
         for faces in ([(a, b, c, c) for a, b, c in FACES],
                       [f for a, b, c in FACES for f in ((a, b, c), (b, a, b), (c, b, a), (b, c, a))]):
             self.mesh.write_bytes(files.ply_plain((POINTS, faces)))
-            self.assertEqual(MeshBytes("dome.ply", self.edited()).points, expected)
+            self.assertEqual(list(results()), expected)
             self.assertRegex(self.done("--info", self.mesh), r"\nfaces: \d+ \(\d+ ignored: .*\n.*\n.*\nborders: 1 of 80 edges")
 
 

@@ -21,20 +21,13 @@ class Parameters(RefusalTest):
     def test_values(self):
         """One of each kind: the core's tests try all that it refuses."""
         for sentence, change in (
-                (r"radius is 0.* greater than 0", {"radius": 0}), (r"radius is (-?nan|not finite)", {"radius": "nan"}),
+                (r"radius is 0.* greater than 0", {"radius": 0}),
                 (r"\(0\.5, 0\.5, 9\) is .* nearest vertex, number \d+.*diagonal", {"handle_point": (0.5, 0.5, 9)}),
-                (r"handle point is not finite", {"handle_point": (0.5, "nan", 0)}),
-                *((rf"The handle vertex is {vertex}, but there are 441 vertices: give a number from 0 to 440\.",
-                   {"handle_source": 2, "handle_vertex": vertex}) for vertex in (-1, 441, 2000000000)),
-                (r"order .*is 0: give 1, 2 or 3", {"order": 0}),
+                (r"The handle vertex is -1, but there are 441 vertices: give a number from 0 to 440\.", {"handle_source": 2, "handle_vertex": -1}),
                 (r"order .*is 2, but the method default has 1 only: .* use another method", {"order": 2}),
-                (r"membrane[_ ]weight is -2: give a number from 0 to 1000000", {"membrane": -2}),
-                (r"membrane.* is -?nan", {"membrane": "nan"}), (r"membrane.* is inf", {"membrane": "inf"}),
-                (r"scale is 0", {"scale": 0}), (r"scale is not a finite number", {"scale": "nan"}),
+                (r"membrane.* is -?nan", {"membrane": "nan"}),
                 (rf"group 0 is vertex {CENTRE} alone, which cannot be scaled by 2 .*: name several", {"scale": 2}),
-                (rf"vertex {CENTRE} alone, which cannot be rotated by 10 degrees", {"rotation_angle": 10}),
                 (r"rotation axis is \(0, 0, 0\)", {"rotation_axis": (0, 0, 0), "rotation_angle": 10}),
-                (r"not a finite number", {"rotation_angle": "inf"}),
                 (r"translation is not a finite number", {"translation": ("inf", 0, 0)}),
                 (r"laplacian is 5: give 0 \(Default of the method\) or 1 \(Umbrella\) or 2 \(Cotangent\) or 3 \(Mean value\) or 4 \(Surface\)", {"laplacian": 5}),
                 (r"region_source is -1: give 0 \(", {"region_source": -1})):

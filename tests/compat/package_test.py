@@ -9,13 +9,11 @@ Environment:
   LAPEDIT_OUTPUT      where to leave what MeshLab printed
 """
 import gzip
-import hashlib
 import json
 import os
 import pathlib
 import re
 import shutil
-import stat
 import subprocess
 import sys
 import tempfile
@@ -24,7 +22,6 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "cli"))
 
-from library_folders import binaries, complaints  # noqa: E402
 from ply import Ply, bits_of, write_ply  # noqa: E402
 from shapes import dome  # noqa: E402
 from x_server import XProgram, start_x_server  # noqa: E402
@@ -46,33 +43,15 @@ NOT_COMPARED = re.compile(
     r"|var/lib/dpkg/(status|available|lock|lock-frontend|[a-z]+-old)|var/cache/debconf/.*)(/.*)?")
 
 
-def tree(root, excluded=NOT_COMPARED):
-    """All files: {path: (kind and mode, owner, group, target or checksum)}"""
-    found = {}
-    for folder, folders, files in os.walk(root):
-        here = "/" + os.path.relpath(folder, root) + "/" if folder != str(root) else "/"
-        folders[:] = [name for name in folders if not excluded.fullmatch(here + name)]
-        for name in folders + files:
-            path = os.path.join(folder, name)
-            if excluded.fullmatch(here + name):
-                continue
-            status = os.lstat(path)
-            content = None
-            if stat.S_ISLNK(status.st_mode):
-                content = os.readlink(path)
-            elif stat.S_ISREG(status.st_mode):
-                with open(path, "rb") as file:
-                    content = hashlib.sha256(file.read()).hexdigest()
-            found[here + name] = oct(status.st_mode), status.st_uid, status.st_gid, content
-    return found
+def tree(root):
+    """All files, each as a line that begins with its path: mode, owner, group, target; and a second one with the checksum."""
+    printed = subprocess.check_output(["sh", "-c", r"find . -printf '%p\t%m %U %G %l\n'; find . -type f -exec sha256sum {} + | sed -E "
+                                       r"'s/^(\S+) +(.*)/\2\t\1/'"], cwd=root, encoding="utf-8")
+    return {line for line in printed.replace("\n.", "\n").splitlines() if not NOT_COMPARED.fullmatch(line.split("\t")[0])}
 
 
-def differences(before, after):
-    lines = [f"left behind: {path}" for path in sorted(after.keys() - before.keys())]
-    lines += [f"lost: {path}" for path in sorted(before.keys() - after.keys())]
-    lines += [f"changed: {path}: {before[path]}, {after[path]}" for path in sorted(before.keys() & after.keys())
-              if before[path] != after[path]]
-    return lines
+def paths(lines):
+    return {line.split("\t")[0] for line in lines}
 
 
 class Root:
@@ -220,7 +199,7 @@ class Archive(unittest.TestCase):
         folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
         self.addCleanup(shutil.rmtree, folder)
         subprocess.run(["dpkg-deb", "-x", PACKAGE, folder], check=True, timeout=PATIENCE)
-        found = list(binaries(folder))
+        found = [path for path in folder.rglob("*") if path.is_file() and path.read_bytes()[:4] == b"\x7fELF"]
         self.assertEqual(len(found), 3)
         for binary in found:
             with self.subTest(binary=binary.name):
@@ -275,13 +254,10 @@ class Package(unittest.TestCase):
         # As a user would, without a word about dependencies.
         root.run("apt-get", "install", "-qy", "--no-install-recommends", f"./{PACKAGE.name}", user=0)
         self.assertRegex(root.packages(), rf"(?m)^{NAME} \S+ install ok installed$")
-        added = set(tree(CLEAN_ROOT)) - set(files)
+        added = paths(tree(CLEAN_ROOT) - files)
         self.assertLessEqual({"/usr/bin/laplacian-edit", "/usr/share/man/man1/laplacian-edit.1.gz"}, added)
         names = {pathlib.Path(path).name for path in added}
         self.assertLessEqual({"libedit_laplacian_drag.so", "libfilter_laplacian_edit.so"}, names)
-        installed = [CLEAN_ROOT / path[1:] for path in added if path.endswith((".so", "/bin/laplacian-edit"))]
-        self.assertEqual(len(installed), 3)
-        self.assertEqual([complaint for binary in installed for complaint in complaints(binary)], [])
         self.check_documents(added)
 
         # The package's own test, with meshlabserver where there is one.
@@ -292,7 +268,7 @@ class Package(unittest.TestCase):
 
         root.run("apt-get", "purge", "-qy", "--autoremove", NAME, user=0)
         self.assertEqual(root.packages(), packages)
-        self.assertEqual(differences(files, tree(CLEAN_ROOT)), [])
+        self.assertEqual(files ^ tree(CLEAN_ROOT), set())
 
     def test_install_user(self):
         """Without root's rights."""
@@ -312,10 +288,10 @@ class Package(unittest.TestCase):
             return
 
         root.run(*install)
-        installed = {pathlib.Path(path).name for path in tree(home) if (home / path[1:]).is_file()}
+        installed = {path.name for path in home.rglob("*") if path.is_file()}
         self.assertEqual(installed, {"libedit_laplacian_drag.so", "libfilter_laplacian_edit.so", "laplacian-edit"})
         root.run(*uninstall)
-        self.assertEqual(differences(empty, tree(home)), [])
+        self.assertEqual(empty ^ tree(home), set())
         root.run(*uninstall, code=None)
 
         root.run(*install)

@@ -2,27 +2,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Debian roots: folders with another Debian release in them, to build and test with its MeshLab.
 #
-# usage: root.sh make [--fresh] SUITE KIND     makes the root if it is not there yet; prints its folder
+# usage: root.sh make SUITE KIND     makes the root if it is not there yet; prints its folder
 #        root.sh run ROOT [OPTION]... -- COMMAND [ARGUMENT]...
-#                                              runs a command in it; ends with the command's exit code
-#        root.sh check                         ends with 0 where roots can be used; else says what is missing
+#                                    runs a command in it; ends with the command's exit code
+#        root.sh check               ends with 0 where roots can be used; else says what is missing
 #
 #   SUITE             a release of Debian: bookworm, trixie, sid
 #   KIND bare         what debootstrap's smallest variant gives, and no more
 #   KIND clean        the packaged MeshLab, what it depends on, and Mesa's software OpenGL
 #   KIND build        that, and all that is needed to build and test; 1.4 GB where clean takes 0.5
-#   --fresh           makes it anew; without it, it is kept until this script wants other packages
 #   --bind FROM=TO    FROM, a folder of this machine, is at TO in the root
 #   --bind-ro FROM=TO the same, read-only
 #   --env NAME=VALUE  for the command; else it gets DISPLAY, CI and TERM of the caller's and nothing more
 #   --directory DIR   of the root: where the command starts
 #
-# LAPEDIT_HOSTS_DIR: where the roots are, and what the checks keep beside them; by default build/hosts in this project. It may be
-# removed while no command runs in a root.
+# LAPEDIT_HOSTS_DIR: where the roots are, and what the checks keep beside them; by default build/hosts in this project. A root is
+# kept until this script wants other packages; to make it again, remove it while no command runs in it.
 #
-# It needs root's rights (sudo is used where it is) and debootstrap. The mirror and apt's proxy are those of this machine.
-# Everything is mounted in a mount namespace of its own and is gone with it, however the command ends. An X server of this
-# machine is reached through its abstract socket, with the same DISPLAY.
+# It needs root's rights (sudo is used where it is) and debootstrap. The mirror and apt's proxy are those of this machine. Mounts and
+# processes of a root end with this script. An X server of this machine is reached through its abstract socket, with the same DISPLAY.
 set -euo pipefail
 
 recipe=1 # Another number makes all roots anew.
@@ -34,6 +32,8 @@ build_packages="
   xvfb xauth xdotool
   python3 python3-numpy
 "
+script=$(realpath "$0")
+hosts=$(realpath -m "${LAPEDIT_HOSTS_DIR:-$(dirname "$script")/../../build/hosts}")
 
 fail() {
   echo "root.sh: $*" >&2
@@ -45,81 +45,22 @@ usage() {
   exit 2
 }
 
-script=$(realpath "$0")
-hosts=${LAPEDIT_HOSTS_DIR:-$(dirname "$script")/../../build/hosts}
-hosts=$(realpath -m "$hosts")
-
-# Each package list's root has a stamp, written last: what has another stamp, or none, is not ready.
-stamp_of() {
-  local packages=''
-  [ "$2" = bare ] || packages=$clean_packages
-  [ "$2" != build ] || packages="$packages $build_packages"
-  # shellcheck disable=SC2086,SC2116
-  echo "$recipe $1 $2 $(echo $packages)" | sha256sum | cut -d ' ' -f 1
-}
-
-ready() {
-  [ "$(cat "$1/.lapedit-root" 2>/dev/null)" = "$2" ]
-}
-
-# lock FILE [--shared]: waits for it, exclusive or shared, until this script ends. A file that was removed meanwhile is no lock.
-lock() {
-  while :; do
-    exec 9>>"$1"
-    flock "${2:---exclusive}" 9
-    [ ! "$1" -ef /proc/self/fd/9 ] || return 0
-  done
-}
-
-child=
-# In the background, so that a signal is seen at once. Killing unshare kills all in its namespace, which unmounts all; if
-# this script itself is killed, so is unshare.
 in_namespace() {
-  local status=0
-  setpriv --pdeathsig KILL unshare --mount --propagation private --pid --fork --kill-child=KILL "$@" <&0 9>&- &
-  child=$!
-  wait "$child" || status=$?
-  child=
-  return "$status"
-}
-
-part=
-# shellcheck disable=SC2317
-at_exit() {
-  if [ -n "$child" ]; then
-    kill -KILL "$child" 2>/dev/null || true
-    wait "$child" 2>/dev/null || true
-  fi
-  [ -z "$part" ] || discard "$part"
-}
-trap at_exit EXIT
-trap 'exit 129' HUP
-trap 'exit 130' INT
-trap 'exit 143' TERM
-
-discard() {
-  [ ! -e "$1" ] || rm -rf --one-file-system "$1"
+  setpriv --pdeathsig KILL unshare --mount --propagation private --pid --fork --kill-child=KILL "$@"
 }
 
 check() {
   command -v debootstrap >/dev/null || fail "debootstrap is missing: common/scripts/install_dependencies.sh installs it."
-  check_namespaces
-}
-
-check_namespaces() {
-  unshare --mount --propagation private --pid --fork mount -t proc proc /proc 2>/dev/null ||
+  in_namespace mount -t proc proc /proc 2>/dev/null ||
     fail "this machine lets nobody make mount namespaces (in a container, give it CAP_SYS_ADMIN): no root can be used."
-}
-
-# The mirror that this machine's own release comes from.
-mirror() {
-  # shellcheck disable=SC2016
-  apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' | awk '$2 !~ /-/ && $3 == "main" { print $1; exit }'
 }
 
 make_bare() {
   local suite=$1 root=$2 uri
-  uri=$(mirror)
+  # The mirror that this machine's own release comes from.
+  # shellcheck disable=SC2016
+  uri=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' |
+    awk '$2 !~ /-/ && $3 == "main" && !found { print $1; found = 1 }')
   [ -n "$uri" ] || fail "this machine's apt sources name no Debian mirror to make a root from."
   in_namespace debootstrap --variant=minbase --force-check-gpg \
     --keyring=/usr/share/keyrings/debian-archive-keyring.gpg "$suite" "$root" "$uri" || return
@@ -143,19 +84,14 @@ install_packages() {
     rm -rf /var/lib/apt/lists/*' sh $packages </dev/null
 }
 
-# enter ROOT DIRECTORY COMMAND...: with the arrays binds (FROM=TO), binds_ro and environment
-binds=()
-binds_ro=()
+# enter ROOT DIRECTORY COMMAND...: with the arrays mounts (rw or ro, FROM, TO) and environment
+mounts=()
 environment=()
 enter() {
   local root=$1 directory=$2
   shift 2
   # The user may have changed networks since it was made.
   [ ! -e /etc/resolv.conf ] || cat /etc/resolv.conf >"$root/etc/resolv.conf"
-  local mounts=()
-  local pair
-  for pair in "${binds[@]}"; do mounts+=(rw "${pair%%=*}" "${pair#*=}"); done
-  for pair in "${binds_ro[@]}"; do mounts+=(ro "${pair%%=*}" "${pair#*=}"); done
   # The shell stays: as the first process of its namespace the command would not die of its own signals.
   # shellcheck disable=SC2016
   in_namespace sh -euc '
@@ -178,73 +114,49 @@ enter() {
 }
 
 make() {
-  local fresh=
-  if [ "${1:-}" = --fresh ]; then
-    fresh=$1
-    shift
-  fi
   [ $# -eq 2 ] || usage
-  local suite=$1 kind=$2
+  local suite=$1 kind=$2 root=$hosts/$1-$2 below='' packages='' stamp
   case $suite in *[!a-z0-9-]* | '' | -*) usage ;; esac
-  local below='' packages=''
   case $kind in
   bare) ;;
   clean) below=bare packages=$clean_packages ;;
-  build) below=clean packages=$build_packages ;;
+  build) below=clean packages="$clean_packages $build_packages" ;;
   *) usage ;;
   esac
-  local root=$hosts/$suite-$kind stamp
-  stamp=$(stamp_of "$suite" "$kind")
+  # Written last: a root with another stamp, or none, is not ready.
+  # shellcheck disable=SC2086,SC2116
+  stamp=$(echo "$recipe $suite $kind $(echo $packages)" | sha256sum | cut -d ' ' -f 1)
   mkdir -p "$hosts"
-  if [ -z "$fresh" ]; then
-    lock "$root.lock" --shared
-    if ready "$root" "$stamp"; then
-      echo "$root"
-      return
-    fi
-  fi
-  check
-  if [ -n "$below" ]; then
-    # In a process of its own, which has its own lock; in the background, as above.
-    # shellcheck disable=SC2086
-    setpriv --pdeathsig TERM "$script" make $fresh "$suite" $below >/dev/null &
-    wait $!
-  fi
-  lock "$root.lock"
-  if [ -n "$fresh" ] || ! ready "$root" "$stamp"; then
+  exec 9>>"$root.lock"
+  flock 9
+  if [ "$(cat "$root/.lapedit-root" 2>/dev/null)" != "$stamp" ]; then
+    check
     echo "Making $root" >&2
-    discard "$root"
-    part=$root.part
-    discard "$part"
-    local log=$root.log
-    {
-      if [ -z "$below" ]; then
-        make_bare "$suite" "$part"
-      else
-        exec 8>>"$hosts/$suite-$below.lock"
-        flock -s 8
-        cp -a --reflink=auto "$hosts/$suite-$below" "$part" &&
-          exec 8>&- &&
-          rm -f "$part/.lapedit-root" &&
-          install_packages "$part" "$packages"
-      fi
-    } >"$log" 2>&1 || { tail -n 30 "$log" >&2; fail "$root could not be made, see $log."; }
-    echo "$stamp" >"$part/.lapedit-root"
-    mv "$part" "$root"
-    part=
-    rm -f "$log"
+    rm -rf --one-file-system "$root" "$root.part"
+    if [ -z "$below" ]; then
+      make_bare "$suite" "$root.part"
+    else
+      cp -a --reflink=auto "$("$script" make "$suite" "$below" 9>&-)" "$root.part" && rm "$root.part/.lapedit-root" &&
+        install_packages "$root.part" "$packages"
+    fi >"$root.log" 2>&1 9>&- || { tail -n 30 "$root.log" >&2; fail "$root could not be made, see $root.log."; }
+    echo "$stamp" >"$root.part/.lapedit-root"
+    mv "$root.part" "$root"
+    rm -f "$root.log"
   fi
   echo "$root"
 }
 
 run() {
-  local root=${1:-} directory=/
+  local root=${1:-} directory=/ name
   shift || usage
+  for name in DISPLAY CI TERM; do
+    [ -z "${!name:-}" ] || environment+=("$name=${!name}")
+  done
   while [ $# -gt 0 ] && [ "$1" != -- ]; do
     [ $# -ge 2 ] || usage
     case $1 in
-    --bind) binds+=("$2") ;;
-    --bind-ro) binds_ro+=("$2") ;;
+    --bind) mounts+=(rw "${2%%=*}" "${2#*=}") ;;
+    --bind-ro) mounts+=(ro "${2%%=*}" "${2#*=}") ;;
     --env) environment+=("$2") ;;
     --directory) directory=$2 ;;
     *) usage ;;
@@ -255,18 +167,10 @@ run() {
   shift
   root=$(realpath -m "$root")
   [ -s "$root/.lapedit-root" ] || fail "$root is no root made by this script, or was not finished."
-  check_namespaces
-  lock "$root.lock" --shared
-  local name
-  for name in DISPLAY CI TERM; do
-    [ -z "${!name:-}" ] || environment=("$name=${!name}" "${environment[@]}")
-  done
   enter "$root" "$directory" "$@"
 }
 
-[ $# -ge 1 ] || usage
-case $1 in make | run | check) ;; *) usage ;; esac
-
+case ${1:-} in make | run | check) ;; *) usage ;; esac
 if [ "$(id -u)" -ne 0 ]; then
   command -v sudo >/dev/null || fail "root's rights are needed to make and use a root, and there is no sudo."
   exec sudo -- env ${DISPLAY:+"DISPLAY=$DISPLAY"} ${CI:+"CI=$CI"} ${TERM:+"TERM=$TERM"} \

@@ -5,7 +5,7 @@ import os
 import re
 import unittest
 
-from documents import Document, files
+from documents import ROOT, Document, code, files
 
 MOST_WORDS = 17500  # of all documents, as wc counts them
 
@@ -70,6 +70,13 @@ class Links(unittest.TestCase):
                 elif re.fullmatch(r"\w+_test", token):
                     with self.subTest(document=name, test=token):
                         self.assertTrue(names & {f"{token}.cpp", f"{token}.py"})
+
+    def test_promises_are_shown_by_tests_that_exist(self):
+        tests = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("*_test.*"))
+        rows = [code(row.strip("|").split("|")[-1]) for row in self.documents["common/docs/promises.md"].prose if row.startswith("|")]
+        self.assertGreater(sum(map(bool, rows)), 30)
+        for name in {name for row in rows for name in row}:
+            self.assertTrue(name in self.files or re.search(rf"\b{re.escape(name)}[()]", tests), f"no {name}")
 
     def test_documents_can_be_read_to_the_end(self):
         words = {name: len(document.text.split()) for name, document in self.documents.items()}

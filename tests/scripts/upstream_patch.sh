@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Lays the two plugins out as MeshLab's own repository would have them, and prints how large that patch is.
+# Lays the two plugins out as MeshLab's own repository would have them, and prints how many lines that patch has.
 #
 # usage: upstream_patch.sh [--build | --extra] [FOLDER]
 #   --build  also builds them there, in MeshLab 2025.07's own source: in the root of sid that tests/compat/root.sh makes
@@ -84,27 +84,7 @@ else()
 endif()
 END
 
-# row NAME FILE...
-row() {
-  local name=$1
-  shift
-  printf '|%s|%d|%d|\n' "$name" $# "$(cat "$@" | wc -l)"
-}
-of() {
-  find "$@" \( -name '*.cpp' -o -name '*.h' \)
-}
-{
-  echo '|Part|Files|Lines|'
-  echo '|---|---|---|'
-  # shellcheck disable=SC2046 # no name has a space
-  {
-    row "core, without the tool's session" $(of "$filter/lapedit")
-    row 'session of the tool' $(of "$tool/lapedit")
-    row 'tool, filters, host layer' $(of "$filter/lapedit_host") $(of "$filter" "$tool" -maxdepth 1)
-    row "all, with CMake's files, lists and an icon" $(find "$folder" -type f ! -name '*.png')
-    row 'omitted: the program' $(of common/cli)
-  }
-} | tee "$folder/size.md"
+find "$folder" -type f ! -name '*.png' -exec cat {} + | wc -l
 [ -n "$build" ] || exit 0
 
 # shellcheck source=tests/compat/build_root.sh

@@ -6,8 +6,6 @@ import time
 import unittest
 
 from tool import PANEL, TOOL, ToolTest, part
-from ply import write_ply
-from shapes import dome, moved, together
 
 
 class Start(ToolTest):
@@ -95,65 +93,20 @@ class Start(ToolTest):
                     self.assertEqual(name in basic, not moves)
 
 
-class Features(ToolTest):
-    """A sheet with a tower in the middle and a small ball that nearly touches it, by X events."""
-    SIDE = 61
-    TOP = 30 * SIDE + 30
-    BESIDE = 20 * SIDE + 15  # of the ball
-    BALL = range(SIDE * SIDE, SIDE * SIDE + 6)
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        points, faces = dome(cls.SIDE, cls.SIDE)
-        points = [(x, y, 0.4 * math.exp(-(math.dist((x, y), (0.5, 0.5)) / 0.1) ** 4)) for x, y, _ in points]
-        ends = [(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
-        ball = moved((ends, [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4), (1, 0, 5), (2, 1, 5), (3, 2, 5), (0, 3, 5)]),
-                     scale=0.03, offset=(0.25, 0.25, 0.032))
-        cls.scene = write_ply(cls.folder / "tower.ply", *together((points, faces), ball))
-
-    def drag_by_x(self, w, vertex, by):
-        x, y = self.on_screen(w, vertex)
-        w.x("mousemove", x, y, "sleep", 0.3, "mousedown", 1, "mousemove", x + by[0] // 2, y + by[1] // 2, "sleep", 0.1,
-            "mousemove", x + by[0], y + by[1], "sleep", 0.1, "mouseup", 1)
-        self.settle(w)
-
-    def click_on(self, w, name):
-        x, y, width, height = w.widget(name)["rectangle"]
-        w.x("mousemove", round(x + 8), round(y + height / 2), "sleep", 0.05, "click", 1)
-        self.settle(w)
-
+class Sizes(ToolTest):
     def test_a_click_makes_the_sizes_automatic_again(self):
-        with self.start(self.scene, disc=20) as w:
+        with self.start(self.mesh, disc=20) as w:
             self.assertTrue(w.widget(part("automatic"))["checked"])
             w.set(part("padding"), 25)
-            w.x("mousemove", *self.on_screen(w, self.TOP), "sleep", 0.2, "click", 5, "click", 5, "click", 5)
+            w.x("mousemove", *self.on_screen(w, self.CENTRE), "sleep", 0.2, "click", 5, "click", 5, "click", 5)
             self.settle(w)
             self.assertFalse(w.widget(part("automatic"))["checked"])
-            self.click_on(w, part("automatic"))
+            x, y, _, height = w.widget(part("automatic"))["rectangle"]
+            w.x("mousemove", round(x + 8), round(y + height / 2), "sleep", 0.05, "click", 1)
+            self.settle(w)
             self.assertTrue(w.widget(part("automatic"))["checked"])
             self.assertEqual(w.widget(part("padding"))["value"], 25)
             self.assertEqual(w.widget(part("handle_fraction"))["value"], 20)
-            self.drag_by_x(w, self.TOP, (40, 0))
-            radius = self.steps_of(w)[0]["region"]["radius"]
-            self.assertTrue(0.4 < radius < 0.75, radius)
-
-    def test_small_piece_comes_along_until_a_click_excludes_it(self):
-        with self.start(self.scene, disc=20) as w:
-            self.assertFalse(w.widget(part("pieces"))["visible"])
-            before = w.dump()
-            self.drag_by_x(w, self.BESIDE, (25, 0))
-            self.assertEqual(w.widget(part("pieces"))["text"], "Small pieces come along: 1")
-            self.assertTrue(set(self.BALL) <= set(before.moved(w.dump())))
-            self.assert_replay_is_the_same(w, self.scene)
-            self.click_on(w, part("pieces"))  # which solves the step again
-            self.assertFalse(w.widget(part("pieces"))["checked"])
-            moved_now = before.moved(w.dump())
-            self.assertTrue(moved_now)
-            self.assertFalse(set(self.BALL) & set(moved_now))
-            self.assert_replay_is_the_same(w, self.scene)
-            self.undo(w)
-            self.assert_same(before, w.dump())
 
 
 class Gesture(ToolTest):

@@ -120,32 +120,6 @@ TEST(CellPose, BentLimbTurnsFromNothingAtTheBoundaryToTheGroupsTurnAtTheHandle) 
   }
 }
 
-/// Turned and twisted ends of what nothing holds. Relative to their mean, one end transforms back and the other one on.
-TEST(CellPose, TwistOfAComponentWithoutAnchorsIsSpreadOverBothEnds) {
-  TriangleMesh mesh = shapes::cylinder(20, 60);
-  mesh.vertices.col(0) *= 3;
-  Turned t(mesh, support::component(), {where(mesh, 0, 0.8), where(mesh, 11.2, 12)}, settled());
-  for (const double degrees : {60.0, 120.0, 170.0}) {
-    t.solve({Affine::Identity(), rigid(degrees, Vector3::UnitX(), Vector3::Zero())});
-    ASSERT_EQ(t.constraints.paths().rigid_motions().size(), 1U);
-    const Matrix3 along = t.constraints.paths().rigid_motions()[0].linear + Matrix3::Identity();
-    EXPECT_LT(support::rotation_defect(along), 1e-12) << "components are carried by a rotation";
-    const std::vector<Matrix3> rotations = t.spread();
-    for (int i = 0; i < t.region.size(); ++i) {
-      const Matrix3 whole = rotations[i] * along;
-      const double x = t.rest(i, 0), turned = angle_of(whole);
-      EXPECT_LT(std::abs(whole(0, 0) - 1), 0.02) << "about the limb's axis";
-      if (x < 0.5) {
-        EXPECT_LT(turned, 0.08 * degrees + 1);
-      } else if (x > 11.5) {
-        EXPECT_NEAR(turned / degrees, 1, 0.1);
-      } else if (x > 5.8 && x < 6.2) {
-        EXPECT_NEAR(turned / degrees, 0.5, 0.05);
-      }
-    }
-  }
-}
-
 /// A component that moves rigidly needs no further rotation. Fails if rounding makes a rotation of it.
 TEST(CellPose, ComponentThatMovesRigidlyNeedsNoRotation) {
   TriangleMesh mesh = shapes::tapered_arm(14, 40);
@@ -341,34 +315,6 @@ TEST(CellPose, SingularAndMirroringMapsGiveFiniteRotations) {
   for (const Matrix3& rotation : loose.spread()) {
     ASSERT_LT(support::rotation_defect(rotation), 1e-9);
   }
-}
-
-TEST(CellModel, RotationsFollowTheirCellsAndAreHeldBackAtTheBoundary) {
-  const auto t = limb();
-  t->solve({bent(90)});
-  const std::vector<Matrix3> rotations = t->spread();
-  const CellBlend blend(t->model.cells(), t->model.rest()->local, t->pool);
-  int held = 0, free = 0;
-  for (int i = 0; i < t->region.size(); ++i) {
-    const double depth = t->region.anchor_depth[i], hold = depth * depth * (3 - 2 * depth);
-    held += hold == 1;
-    free += hold == 0;
-    // The mean of quaternions by their likeness to the first one, and from there towards none.
-    const auto quaternion = [&](int k) -> Eigen::Vector4d {
-      return Eigen::Quaterniond(t->cells().rotations()[blend.cells(k, i)]).coeffs();
-    };
-    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-    for (int k = 0; k < CellBlend::kReach; ++k) {
-      sum += quaternion(k).dot(quaternion(0)) * blend.weights(k, i) * quaternion(k);
-    }
-    ASSERT_GT(sum.norm(), 0.2);
-    sum.normalize();
-    sum = (1 - hold) * sum + hold * sum[3] * Eigen::Vector4d::UnitW();
-    const Matrix3 expected = Eigen::Quaterniond(Eigen::Vector4d(sum.normalized())).toRotationMatrix();
-    EXPECT_LT((rotations[i] - expected).norm(), 1e-12) << "vertex " << i;
-  }
-  EXPECT_GT(held, 0);
-  EXPECT_GT(free, 100);
 }
 
 TEST(CellModel, VerticesFollowTheirCells) {

@@ -57,25 +57,6 @@ TEST(EditSettings, EverySettingIsRefusedOutsideItsRangeOnly) {
   }
 }
 
-TEST(EditSettings, AreEqualWhereEverySettingIs) {
-  const EditSettings standard;
-  EXPECT_EQ(refusal(standard), "");
-  EXPECT_EQ(standard, EditSettings());
-  for (const Setting& setting : settings_table()) {
-    EditSettings other;
-    setting.set(other, setting.get(standard) == setting.low ? setting.low + 1 : setting.low);
-    EXPECT_NE(other, standard) << setting.key;
-  }
-}
-
-TEST(EditSettings, ChoicesHaveOneNameForEachNumber) {
-  for (const Setting& setting : settings_table()) {
-    const std::size_t names = setting.kind == Setting::Kind::Choice ? static_cast<std::size_t>(setting.high) + 1 : 0;
-    EXPECT_EQ(setting.choices.size(), names) << setting.key;
-  }
-  EXPECT_EQ(title_of("mean_value"), "Mean value");
-}
-
 TEST(EditSettings, MethodGivesTheOthersTheirValues) {
   const EditSettings standard, paper = EditSettings::of(EditMethod::Paper),
                                linear = EditSettings::of(EditMethod::Linear);

@@ -104,15 +104,5 @@ TEST(SoftHandle, WeightsOfOneChangeNoBit) {
   EXPECT_TRUE(plain.handle_weight.empty());
 }
 
-TEST(SoftHandle, BadWeightsAreRefused) {
-  const Disc disc = plane();
-  std::vector<double> weights(disc.vertices.size(), 1);
-  for (const double bad : {0.0, -0.5, 1.5, std::nan("")}) {
-    weights[3] = bad;
-    const std::string sentence = support::expect_refusal(ErrorCause::BadParameter, [&] { disc.region(0.8, weights); });
-    EXPECT_NE(sentence.find("vertex " + std::to_string(disc.vertices[3])), std::string::npos) << sentence;
-  }
-}
-
 }  // namespace
 }  // namespace lapedit::soft_handle_test

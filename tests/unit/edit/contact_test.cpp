@@ -77,27 +77,6 @@ TEST(Contact, FramesArePlainAndEndWithThePose) {
   EXPECT_FALSE(support::same_bits(plain.pose(bar.bent(178)), other));
 }
 
-TEST(Contact, HandlesYieldAsAWhole) {
-  const Bar bar;
-  Solver contact(bar, true);
-  const Points pose = contact.pose(bar.bent(185));
-  const ContactReport report = *contact.report().contact;
-  ASSERT_EQ(report.stops.size(), 1U);
-  EXPECT_EQ(report.stops[0].group, 1);
-  const Affine to = bar.bent(185)[1].map;
-  Vector3 mean = Vector3::Zero();
-  double spread = 0;
-  for (const int v : bar.handles[1]) {
-    mean +=
-        (pose.row(v).transpose() - to * Vector3(bar.mesh.vertices.row(v))) / static_cast<double>(bar.handles[1].size());
-  }
-  for (const int v : bar.handles[1]) {
-    spread = std::max(spread, (pose.row(v).transpose() - to * Vector3(bar.mesh.vertices.row(v)) - mean).norm());
-  }
-  EXPECT_NEAR(mean.norm(), report.stops[0].distance, 1e-9);
-  EXPECT_LT(spread, 0.1 * mean.norm());
-}
-
 TEST(Contact, CancelledPosesLeaveTheSolverUsable) {
   const Bar bar;
   Solver contact(bar, true);

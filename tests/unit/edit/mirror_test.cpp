@@ -105,31 +105,6 @@ TEST(Mirror, GroupAcrossThePlaneKeepsTheSymmetricMotion) {
   EXPECT_LT((maps[0].map.matrix() - (mirror * maps[0].map * mirror).matrix()).norm(), 1e-12);
 }
 
-TEST(Mirror, TargetsOfAGroupAcrossThePlaneAreTheMeanOfBothSides) {
-  const TriangleMesh mesh = shapes::icosphere(3);
-  EditStep step = one_sided(mesh);
-  step.mirror = MirrorPlane{Vector3::Zero(), Vector3::UnitX()};
-  HandleGroup& group = step.handles[0];
-  group.transform = HandleTransform();
-  int right = 0, left = 0;
-  mesh.vertices.rowwise().operator-(Eigen::RowVector3d(0.3, 0, 1)).rowwise().norm().minCoeff(&right);
-  const Eigen::RowVector3d image(-mesh.vertices(right, 0), mesh.vertices(right, 1), mesh.vertices(right, 2));
-  (mesh.vertices.rowwise() - image).rowwise().norm().minCoeff(&left);
-  ASSERT_NE(left, right);
-  group.vertices = {std::min(left, right), std::max(left, right)};
-  const Vector3 up(0.02, 0.1, 0.2);
-  for (const int v : group.vertices) {
-    group.targets.push_back(mesh.vertices.row(v).transpose() + (v == right ? up : Vector3(Vector3::Zero())));
-  }
-  const EditStep written = mirrored(mesh, step);
-  ASSERT_EQ(written.handles.size(), 1U);
-  for (std::size_t k = 0; k < 2; ++k) {
-    const int v = written.handles[0].vertices[k];
-    const Vector3 half = v == right ? Vector3(up / 2) : Vector3(-up.x() / 2, up.y() / 2, up.z() / 2);
-    EXPECT_LT((written.handles[0].targets[k] - mesh.vertices.row(v).transpose() - half).norm(), 1e-12);
-  }
-}
-
 TEST(Mirror, GivenGroupsKeepTheirVertices) {
   const TriangleMesh mesh = shapes::icosphere(4);
   const std::vector<int> right = disc(mesh, kRight, 0.2), left = disc(mesh, kLeft, 0.1);

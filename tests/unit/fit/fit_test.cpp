@@ -54,23 +54,6 @@ TEST(Fit, HasTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-TEST(Fit, ReportsStagesAndDistances) {
-  std::vector<std::string> stages;
-  double last = 0;
-  const Progress progress = [&](double fraction, const char* stage) {
-    if (std::string(stage).rfind("fit: ", 0) == 0) {
-      EXPECT_GE(fraction, last);
-      last = fraction;
-      stages.emplace_back(stage);
-    }
-    return true;
-  };
-  fitted({}, 1, progress);
-  ASSERT_GE(stages.size(), 162U) << "two for each round";
-  EXPECT_EQ(stages.front().rfind("fit: stage 1 of ", 0), 0U);
-  EXPECT_NE(stages.back().find(", distance 0.0"), std::string::npos) << stages.back();
-}
-
 /// A factorisation calls between tasks, see SparseCholesky.CallsBetweenSmallTasksAndEndsByAnException. Times are not
 /// measured here.
 TEST(Fit, AsksOftenWhetherItIsCancelledAndNotAgain) {
@@ -91,34 +74,6 @@ TEST(Fit, AsksOftenWhetherItIsCancelledAndNotAgain) {
     }
     EXPECT_EQ(called, at);
   }
-}
-
-ErrorCause cause_of(const ScanData& data) {
-  try {
-    const Scan scan(data);
-  } catch (const EditError& error) {
-    return error.cause();
-  }
-  return ErrorCause::BadScript;
-}
-
-TEST(Fit, RefusesScansThatCannotBeFitted) {
-  EXPECT_EQ(cause_of({}), ErrorCause::EmptyMesh);
-  ScanData cloud;
-  cloud.mesh.vertices = scan().vertices;
-  EXPECT_EQ(cause_of(cloud), ErrorCause::BadParameter);
-  cloud.normals = Points::Zero(scan().vertices.rows(), 3);
-  EXPECT_EQ(cause_of(cloud), ErrorCause::BadParameter);
-  ScanData flat;
-  flat.mesh = scan();
-  flat.mesh.vertices.setZero();
-  EXPECT_EQ(cause_of(flat), ErrorCause::NotFinite);
-  cloud.mesh.vertices.rowwise() = Eigen::RowVector3d(0.1, 0.7, -0.3);
-  cloud.normals.rowwise() = Eigen::RowVector3d(0, 0, 1);
-  EXPECT_EQ(cause_of(cloud), ErrorCause::NotFinite);
-  ScanFitSettings settings;
-  settings.detail = std::nan("");
-  EXPECT_THROW(fitted(settings), EditError);
 }
 
 TEST(BestSimilarity, RecoversAMap) {

@@ -124,11 +124,7 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
 
   const std::pair<const char*, const char*> handles[] = {
       {"{'points': [0, 0, 1]}", "points[0]: expected a list of 3 numbers, found the number 0."},
-      {"{'points': []}", "points: expected a list of one or more points, found a list of length 0."},
-      {"{'points': [[0, 0, 'x']]}", "points[0][2]: expected a number, found the text \"x\"."},
       {"{'within': {'point': [0, 0, 0]}}", "within.radius: expected a number, but the key is missing."},
-      {"{'within': {'radius': 1}}", "within.point: expected a list of 3 numbers, but the key is missing"},
-      {"{'selected': 1}", "selected: expected true, found the number 1."},
       {"{'selected': true, 'weights': [1]}", "weights: goes with vertices, points or landmarks only."},
       {"{'points': [[0, 0, 0]], 'weights': [1, 1]}", "weights: holds 2 numbers for 1 points; give one for each"},
       {"{'points': [[0, 0, 0], [1, 0, 0]], 'targets': [[0, 0, 1]]}",
@@ -137,28 +133,17 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "landmarks: \"no.pp\" is not the path of a file."},
       {"{'landmarks': {'from': 'no.pp'}}", "landmarks.to: expected a text, but the key is missing."},
       {"{'vertices': true}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found true."},
+      {"{'selected': 1}", "selected: expected true, found the number 1."},
       {"{'vertices': []}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found a list of length 0."},
-      {"{'vertices': [1, [2]]}", "vertices[1]: expected vertices, as in"},
       {"{'vertices': [1, 2.5]}", "vertices[1]: expected a whole number from 0 to 2147483647, found the number 2.5."},
-      {"{'vertices': [1, -1]}", "vertices[1]: expected a whole number from 0 to 2147483647, found the number -1."},
       {"{'vertices': [1, '2;3']}", "vertices[1]: \"2;3\" is no vertex number or range"},
       {"{'vertices': '1', 'translation': 1}", "translation: expected a list of 3 numbers, found the number 1."},
-      {"{'vertices': '1', 'translation': [1, 2]}", "translation: expected a list of 3 numbers, found a list of"},
-      {"{'vertices': '1', 'translation': [1, 2, '3']}", "translation[2]: expected a number, found the text \"3\"."},
       {"{'vertices': '1', 'rotation': 30}", "rotation: expected an object, found the number 30."},
-      {"{'vertices': '1', 'rotation': {'axis': [0,0,1,0]}}", "rotation.axis: expected a list of 3 numbers, found a"},
-      {"{'vertices': '1', 'rotation': {'degrees': '3'}}", "rotation.degrees: expected a number, found the text"},
       {"{'vertices': '1', 'rotation': {'center': null}}", "rotation.center: expected a list of 3 numbers, found null."},
-      {"{'vertices': '1', 'scale': true}", "scale: expected a number, found true."},
-      {"{'vertices': '1', 'targets': 1}", "targets: expected a list of one or more points, found the number 1."},
-      {"{'vertices': '1', 'targets': []}", "targets: expected a list of one or more points, found a list of length 0."},
-      {"{'vertices': '1', 'targets': [0, 0, 1]}", "targets[0]: expected a list of 3 numbers, found the number 0."},
       {"{'vertices': '1-2', 'targets': [[0, 0, 1], [1, 2]]}", "targets[1]: expected a list of 3 numbers, found a list"},
-      {"{'vertices': '1', 'targets': [[0, null, 1]]}", "targets[0][1]: expected a number, found null."},
       {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0]}", "matrix: expected a list of 16 numbers, found a"},
       {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]}", "matrix: the last row"},
       {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,1,0,1]}", "matrix: the last row"},
-      {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,null,1]}", "matrix[14]: expected a number"},
   };
   for (const auto& [handle, expected] : handles) {
     expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0].") + expected);
@@ -183,9 +168,6 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"'laplacian': 'uniform'",
        "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", \"surface\", found the text "
        "\"uniform\"."},
-      {"'laplacian': 0",
-       "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", \"surface\", found the number 0."},
-      {"'method': 'smooth'", "method: expected one of \"default\", \"paper\", \"linear\", found the text \"smooth\"."},
       {"'normal_radius': 1",
        "normal_radius: has no meaning with the method default; remove it, or use the method paper."},
       {"'method': 'paper', 'iterations': 2",
@@ -193,13 +175,8 @@ TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
       {"'method': 'linear', 'rough': 'falloff'",
        "rough: has no meaning with the method linear; remove it, or use the method paper."},
       {"'order': 1.5", "order: expected a whole number from 0 to 2147483647, found the number 1.5."},
-      {"'order': -1", "order: expected a whole number from 0 to 2147483647, found the number -1."},
       {"'iterations': 2147483648", "iterations: expected a whole number from 0 to 2147483647, found"},
-      {"'iterations': 1e300", "iterations: expected a whole number from 0 to 2147483647, found"},
-      {"'iterations': '1'", "iterations: expected a number, found the text \"1\"."},
-      {"'method': 'paper', 'normal_radius': null", "normal_radius: expected a number, found null."},
       {"'handle_weight': {}", "handle_weight: expected a number, found an object."},
-      {"'anchor_weight': [1]", "anchor_weight: expected a number, found a list of length 1."},
   };
   for (const auto& [setting, expected] : settings) {
     expect_contains(refusal(with_setting(setting)), std::string("steps[0].") + expected);

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -135,19 +134,6 @@ TEST_F(LandmarkFiles, WhatHasNoPartnerIsNamed) {
     many += "p" + std::to_string(k) + ",0,0,0\n";
   }
   expect_contains(refusal(write("many.csv", many + "a,0,0,0\n"), write("a.csv", "a,0,0,0\n")), "\"p4\" and 4 more");
-  const std::string folder = folder_ + "/" + std::string(80, 'f');
-  expect_contains(refusal(one, folder + "/none.csv"),
-                  "is not the path of a file. It was looked for in the folder \"" + folder + "\".");
-  expect_contains(refusal(one, "none.csv"), "\"" + std::filesystem::current_path().generic_string() + "\".");
-}
-
-TEST_F(LandmarkFiles, KeepTheirCoordinateSystems) {
-  const std::string ras = write("r.fcsv", "# CoordinateSystem = 0\n1,1,2,3,0,0,0,1,1,1,0,a\n");
-  const std::string lps = write("l.csv", "label,l,p,s\na,4,5,6\n"), none = write("n.csv", "a,7,8,9\n");
-  const HandleGroup mixed = load_landmarks(ras, lps), one = load_landmarks(none, ras);
-  EXPECT_EQ(mixed.spaces.points + " to " + mixed.spaces.targets, "RAS to LPS");
-  EXPECT_EQ(mixed.targets[0], Vector3(4, 5, 6)) << "it is converted when the mesh is known";
-  EXPECT_EQ(one.spaces.points + " to " + one.spaces.targets, " to RAS");
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/OrderingMethods>
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <random>
@@ -171,14 +170,6 @@ TEST(NestedDissection, DoesNotDependOnTheUnit) {
   const std::vector<int> order = nested_dissection(neighbours, graph.points);
   EXPECT_EQ(nested_dissection(neighbours, graph.points * 0x1p40), order);
   EXPECT_EQ(nested_dissection(neighbours, graph.points * 0x1p-900), order);
-}
-
-TEST(NestedDissection, CountsEntriesAsAFactorHasThem) {
-  const Matrix matrix = normal_matrix(irregular(Surface::Plane, 30, 20).neighbours());
-  Order none(matrix.rows());
-  none.setIdentity();
-  const Eigen::SimplicialLLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(matrix);
-  EXPECT_EQ(factor_entries(matrix, none), factor.matrixL().nestedExpression().nonZeros());
 }
 
 /// Fill over that of minimum degree.

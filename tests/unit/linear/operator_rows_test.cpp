@@ -141,24 +141,5 @@ TEST_P(OperatorRowsOn, StretchIsAddedToTheTransposedAlone) {
   EXPECT_TRUE(same_matrix(rows.normal_matrix(diagonal, one), normal));
 }
 
-/// Fails if one half stays behind.
-TEST(OperatorRows, SwapBothHalves) {
-  const Graph torus = surface(Surface::Torus, 12, 14), plane = surface(Surface::Plane, 7, 9);
-  const auto make = [](const Graph& of) { return OperatorRows(support::laplacian(of).matrix); };
-  OperatorRows a = make(torus), b = make(plane), empty;
-  ThreadPool pool(1);
-  Points expected, expected_transposed, out;
-  a.apply(torus.points, expected, pool);
-  a.apply_left_factor(torus.points, expected_transposed, pool);
-  std::swap(a, b);
-  std::swap(b, empty);
-  empty.apply(torus.points, out, pool);
-  EXPECT_TRUE(support::same_bits(out, expected));
-  empty.apply_left_factor(torus.points, out, pool);
-  EXPECT_TRUE(support::same_bits(out, expected_transposed));
-  a.apply(plane.points, out, pool);
-  EXPECT_EQ(out.rows(), 63);
-}
-
 }  // namespace
 }  // namespace lapedit::operator_rows_test

@@ -130,27 +130,6 @@ TEST(RefinedSolver, LongRowIsCorrectedInsteadOfFactored) {
   }
 }
 
-/// Fails if factor or residual forget the stretch.
-TEST(RefinedSolver, SolvesWithAStretch) {
-  Problem p;
-  const support::TestOperator op = support::laplacian(p.graph, true);
-  const Eigen::VectorXd stretch = 0.02 * op.sums;
-  p.m = std::make_shared<const OperatorRows>(op.matrix, stretch);
-  const Eigen::MatrixXd m = op.matrix;
-  Eigen::MatrixXd dense = m.transpose() * m;
-  dense.diagonal() += p.known;
-  const Points without = dense.ldlt().solve(p.right);
-  dense += stretch.asDiagonal() * m;
-  const Points expected = dense.ldlt().solve(p.right);
-  for (const bool single : {false, true}) {
-    RefinedSolver solver(p.factored(p.known, single), nullptr, p.pool);
-    Points found;
-    EXPECT_GE(solver.refine_to(p.right, found, 1e-10), 0);
-    EXPECT_LT((found - expected).norm(), 1e-9 * expected.norm());
-  }
-  EXPECT_GT((without - expected).norm(), 0.01 * expected.norm()) << "the stretch does too little to be seen";
-}
-
 TEST(RefinedSolver, CorrectionThatTakesTooManyStepsIsNone) {
   const Problem p;
   const auto single = p.factored(p.known, true);

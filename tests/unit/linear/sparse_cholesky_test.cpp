@@ -112,19 +112,6 @@ TEST(SparseCholesky, SolvesInPlace) {
   EXPECT_TRUE(in_place == apart);
 }
 
-TEST(SparseCholesky, MovedFactorStillSolves) {
-  const Points rhs = random_points(30, 5);
-  SparseCholesky factor(grid_laplacian(5, 6, 1));
-  Points before, after;
-  factor.solve(rhs, before);
-  SparseCholesky moved = std::move(factor);
-  moved.solve(rhs, after);
-  EXPECT_TRUE(before == after);
-  moved = SparseCholesky(grid_laplacian(5, 6, 2));
-  moved.solve(rhs, after);
-  EXPECT_LT((grid_laplacian(5, 6, 2) * after - rhs).norm(), 1e-13);
-}
-
 /// Fails if a copy does not share the factor, or works in the other's scratch.
 TEST(SparseCholesky, CopiesSolveAtATimeAndOutliveTheOther) {
   const SparseMatrix matrix = grid_laplacian(90, 70, 1e-3);

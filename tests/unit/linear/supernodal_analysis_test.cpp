@@ -68,61 +68,6 @@ std::vector<AnalysisCase> cases() {
   return all;
 }
 
-/// Entries of the factor by eliminating one row after the other.
-std::vector<std::vector<char>> eliminated(const SparseMatrix& matrix, const std::vector<int>& order) {
-  const auto n = static_cast<int>(order.size());
-  std::vector<std::vector<char>> entry(n, std::vector<char>(n, 0));
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      entry[i][j] = matrix.coeff(order[i], order[j]) != 0 ? 1 : 0;
-    }
-  }
-  for (int k = 0; k < n; ++k) {
-    for (int i = k + 1; i < n; ++i) {
-      for (int j = k + 1; entry[i][k] && j < n; ++j) {
-        entry[i][j] |= entry[k][j];
-      }
-    }
-  }
-  return entry;
-}
-
-/// Fails if an entry of the factor is missing, rows are not as SupernodalPattern wants them, or the new order fills
-/// more.
-TEST(SupernodalAnalysis, HoldsAllEntriesOfTheFactor) {
-  for (const AnalysisCase& c : cases()) {
-    const auto n = static_cast<int>(c.order.size());
-    const SupernodalPattern pattern = supernodal_analysis(c.matrix, c.order);
-    std::vector<int> sorted = pattern.order;
-    std::sort(sorted.begin(), sorted.end());
-    for (int i = 0; i < n; ++i) {
-      ASSERT_EQ(sorted[i], i) << "a permutation";
-    }
-    const auto expected = eliminated(c.matrix, pattern.order), before = eliminated(c.matrix, c.order);
-    std::size_t entries = 0, first_entries = 0;
-    ASSERT_EQ(pattern.columns.front(), 0);
-    ASSERT_EQ(pattern.columns.back(), n);
-    for (std::size_t s = 0; s + 1 < pattern.columns.size(); ++s) {
-      const int first = pattern.columns[s], last = pattern.columns[s + 1];
-      ASSERT_LT(first, last);
-      const std::vector<int> rows(pattern.rows.begin() + pattern.row_offsets[s],
-                                  pattern.rows.begin() + pattern.row_offsets[s + 1]);
-      ASSERT_TRUE(std::is_sorted(rows.begin(), rows.end()));
-      ASSERT_EQ(std::adjacent_find(rows.begin(), rows.end()), rows.end());
-      for (int j = first; j < last; ++j) {
-        ASSERT_EQ(rows[j - first], j) << "the supernode's columns come first";
-        for (int i = j; i < n; ++i) {
-          entries += expected[i][j];
-          first_entries += before[i][j];
-          ASSERT_TRUE(!expected[i][j] || std::binary_search(rows.begin(), rows.end(), i)) << i << ", " << j;
-        }
-      }
-    }
-    EXPECT_EQ(entries, first_entries);
-    EXPECT_GE(pattern.factor_nonzeros(), entries);
-  }
-}
-
 TEST(SupernodalAnalysis, MinimumDegreeFillsLittle) {
   const AnalysisCase grid = cases().back();
   const std::size_t shuffled = supernodal_analysis(grid.matrix, grid.order).factor_nonzeros();

@@ -248,15 +248,5 @@ TEST(Connect, LinksOutOfAGivenSetMakeNoBoundary) {
   EXPECT_EQ(build_region(mesh, adjacency, spec, {{5}}).count(VertexClass::Anchor), 0);
 }
 
-TEST(Connect, GapThatIsNoLengthIsRefused) {
-  const TriangleMesh mesh = ball_in_ball();
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  RegionSpec spec = support::within(1);
-  for (const double gap : {-0.1, kUnreached, std::nan("")}) {
-    spec.connect_gap = gap;
-    support::expect_refusal(ErrorCause::BadParameter, [&] { build_region(mesh, adjacency, spec, {{5}}); });
-  }
-}
-
 }  // namespace
 }  // namespace lapedit::connect_test

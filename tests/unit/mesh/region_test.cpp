@@ -226,54 +226,41 @@ TEST(Region, DistanceDoesNotLeaveAGivenSet) {
   EXPECT_DOUBLE_EQ(region.max_distance, 10 + std::sqrt(2.0));
 }
 
-TEST(Region, ParametersOutsideTheirRangeAreRefused) {
+/// A sentence has the number of a vertex that is wrong.
+TEST(Region, WhatMakesNoSenseIsRefused) {
   const TriangleMesh mesh = shapes::grid(9, 9);
-  for (const double radius : {0.0, -1.0, -0.0, kNaN, kInfinity, -kInfinity}) {
-    support::expect_refusal(ErrorCause::BadParameter, [&] { build(mesh, within(radius), {{40}}); });
+  const struct {
+    ErrorCause cause;
+    RegionSpec spec;
+    Groups groups = {{40}};
+    const char* named = "";
+  } cases[] = {
+      {ErrorCause::BadParameter, within(0)},
+      {ErrorCause::BadParameter, within(-1)},
+      {ErrorCause::BadParameter, within(kNaN)},
+      {ErrorCause::BadParameter, within(kInfinity)},
+      {ErrorCause::BadParameter, within(3, -0.001)},
+      {ErrorCause::BadParameter, within(3, 1.001)},
+      {ErrorCause::BadParameter, given(block(9, 2, 6, 2, 6), kNaN)},
+      {ErrorCause::NoHandle, within(3), {}},
+      {ErrorCause::NoHandle, within(3), {{40}, {}}},
+      {ErrorCause::BadIndex, within(3), {{-1}}},
+      {ErrorCause::BadIndex, within(3), {{40, 81}}, "81"},
+      {ErrorCause::BadIndex, within(3), {{40, 41}, {41}}, "41"},
+      {ErrorCause::BadIndex, given({39, 40, 41, 99})},
+      {ErrorCause::BadIndex, given({-7, 39, 40, 41})},
+      {ErrorCause::EmptyRegion, given({})},
+      {ErrorCause::HandleOutsideRegion, given(block(9, 0, 3, 0, 8)), {{20, 40}}, "40"},
+      {ErrorCause::NothingToFollow, within(0.5)},
+      {ErrorCause::NothingToFollow, given({40, 41}), {{40, 41}}},
+  };
+  for (const auto& [cause, spec, groups, named] : cases) {
+    support::expect_contains(support::expect_refusal(cause, [&, &s = spec, &g = groups] { build(mesh, s, g); }), named);
   }
-  for (const double padding : {-0.001, 1.001, kNaN, kInfinity}) {
-    support::expect_refusal(ErrorCause::BadParameter, [&] { build(mesh, within(3, padding), {{40}}); });
-    support::expect_refusal(ErrorCause::BadParameter,
-                            [&] { build(mesh, given(block(9, 2, 6, 2, 6), padding), {{40}}); });
-  }
-}
-
-TEST(Region, WithoutAHandleThereIsNothingToDo) {
-  const TriangleMesh mesh = shapes::grid(9, 9);
-  support::expect_refusal(ErrorCause::NoHandle, [&] { build(mesh, within(3), {}); });
-  support::expect_refusal(ErrorCause::NoHandle, [&] { build(mesh, within(3), {{40}, {}}); });
-}
-
-TEST(Region, VertexNumbersHaveToExistAndBelongToOneGroup) {
-  const TriangleMesh mesh = shapes::grid(9, 9);
-  support::expect_refusal(ErrorCause::BadIndex, [&] { build(mesh, within(3), {{-1}}); });
-  const std::string sentence = support::expect_refusal(ErrorCause::BadIndex, [&] {
-    build(mesh, within(3), {{40, 81}});
-  });
-  EXPECT_NE(sentence.find("81"), std::string::npos) << sentence;
-  support::expect_contains(support::expect_refusal(ErrorCause::BadIndex,
-                                                   [&] {
-                                                     build(mesh, within(3), {{40, 41}, {41}});
-                                                   }),
-                           "41");
-  support::expect_refusal(ErrorCause::BadIndex, [&] { build(mesh, given({39, 40, 41, 99}), {{40}}); });
-  support::expect_refusal(ErrorCause::BadIndex, [&] { build(mesh, given({-7, 39, 40, 41}), {{40}}); });
   EXPECT_EQ(build(mesh, within(3), {{40, 40, 41}}).count(VertexClass::Handle), 2) << "repetition does no harm";
 }
 
-TEST(Region, EmptySetAndHandleOutsideAreRefused) {
-  const TriangleMesh mesh = shapes::grid(9, 9);
-  support::expect_refusal(ErrorCause::EmptyRegion, [&] { build(mesh, given({}), {{40}}); });
-  const std::string sentence = support::expect_refusal(ErrorCause::HandleOutsideRegion, [&] {
-    build(mesh, given(block(9, 0, 3, 0, 8)), {{20, 40}});
-  });
-  EXPECT_NE(sentence.find("40"), std::string::npos) << sentence;
-}
-
-TEST(Region, HandleAloneIsRefused) {
-  const TriangleMesh mesh = shapes::grid(9, 9);
-  support::expect_refusal(ErrorCause::NothingToFollow, [&] { build(mesh, within(0.5), {{40}}); });
-  support::expect_refusal(ErrorCause::NothingToFollow, [&] { build(mesh, given({40, 41}), {{40, 41}}); });
+TEST(Region, VertexWithoutFacesIsRefused) {
   const TriangleMesh isolated = shapes::degenerate_grid(12, 9);
   const int last = static_cast<int>(isolated.vertices.rows()) - 1;
   support::expect_refusal(ErrorCause::NothingToFollow, [&] { build(isolated, component(), {{last}}); });

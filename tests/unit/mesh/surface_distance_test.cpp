@@ -213,6 +213,20 @@ TEST_P(SurfaceDistanceOn, FieldHasTheBitsOfTheSearch) {
   }
 }
 
+/// Three equilateral triangles at one edge, and faces that name a corner twice, which are none.
+TEST(SurfaceDistance, LinesCrossAnEdgeOfThreeFaces) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(5, 3);
+  const double height = std::sqrt(0.75);
+  mesh.vertices << 0, 0, 0, 1, 0, 0, 0.5, height, 0, 0.5, 0, height, 0.5, -height, 0;
+  mesh.faces.resize(5, 3);
+  mesh.faces << 0, 1, 2, 1, 0, 3, 0, 1, 4, 0, 0, 1, 3, 2, 2;
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  GeodesicSearch search({mesh, adjacency});
+  search.run({2}, kUnreached);
+  EXPECT_NEAR(search.distance(4), 2 * height, kRounding);
+}
+
 TEST(SurfaceDistance, LinesGrowWithTheFacesWhereManyShareEdges) {
   const auto lines_per_face = [](TriangleMesh mesh, const TriangleMesh& others) {
     mesh.faces.conservativeResize(mesh.faces.rows() + others.faces.rows(), 3);

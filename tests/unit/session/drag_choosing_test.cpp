@@ -21,20 +21,10 @@ using support::Window;
 using State = DragSession::State;
 
 constexpr PressModifiers kAdd{true, false};
-constexpr PressModifiers kTake{false, true};
 
 /// The settings that users find.
 void as_found(Window& window) {
   window.change([](DragSettings& s) { s.handle_fraction = DragSettings().handle_fraction; });
-}
-
-void stroke(Window& window, int from, int to, PressModifiers modifiers) {
-  window.press(from, modifiers);
-  for (const double fraction : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    window.session.move(window.at((1 - fraction) * window.at(from).pixel + fraction * window.at(to).pixel));
-  }
-  window.session.release(window.at(to));
-  window.session.wait();
 }
 
 // --- Discs ----------------------------------------------------------------------------------------------------------
@@ -347,22 +337,6 @@ TEST(DragGizmo, BoundaryIsTheMiddleOfWhatHoldsAnArm) {
   EXPECT_EQ(window.session.pivot_position(), centroid(positions, window.session.selection().groups.at(0)));
 }
 
-TEST(DragKeys, ControlGoesInSteps) {
-  Window window(shapes::grid(60, 60));
-  as_found(window);
-  window.click(kMiddle);
-  window.keys("r");
-  Cursor cursor = window.at(Vector2(500, 500));
-  window.session.move(cursor);
-  cursor.pixel = Vector2(400, 520);
-  cursor.snap = true;
-  window.session.move(cursor);
-  ASSERT_NE(window.session.motion(), nullptr);
-  const double degrees = window.session.motion()->transform().degrees;
-  EXPECT_NE(degrees, 0);
-  EXPECT_NEAR(std::remainder(degrees, 15), 0, 1e-9);
-}
-
 // --- Symmetry, soft handles, near pieces -----------------------------------------------------------------------------
 
 TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
@@ -392,17 +366,6 @@ TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
   ASSERT_EQ(window.session.mirrored_groups().size(), 4U);
   EXPECT_EQ(window.session.group_of_image(2), 0);
   EXPECT_EQ(window.session.group_of_image(3), 1);
-  // Nothing of them left: no images either.
-  window.change([](DragSettings& s) { s.brush_pixels = 400; });
-  stroke(window, at(15, 45), at(15, 30), kTake);
-  while (!window.session.selection().groups.empty()) {
-    const int before = static_cast<int>(window.session.selection().groups.front().size());
-    stroke(window, window.session.selection().groups.front().front(), window.session.selection().groups.front().back(),
-           kTake);
-    ASSERT_TRUE(window.session.selection().groups.empty() ||
-                static_cast<int>(window.session.selection().groups.front().size()) < before);
-  }
-  EXPECT_TRUE(window.session.mirrored_groups().empty());
 }
 
 TEST(DragMirror, PaintedAnchorsHoldOnBothSides) {

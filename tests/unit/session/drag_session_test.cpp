@@ -193,20 +193,6 @@ TEST(DragSession, NormalLockFollowsTheSurface) {
   EXPECT_LT(std::acos(way.normalized().dot(window.session.original().vertices.row(vertex).normalized())), 0.02);
 }
 
-TEST(DragSession, LockedAxisKeepsTheOtherCoordinates) {
-  Window window(hills());
-  window.press(kMiddle);
-  window.session.move(window.at(kMiddle, Vector2(10, 10)));
-  window.session.key(DragKey::LockX, window.at(kMiddle, Vector2(10, 10)));
-  window.session.move(window.at(kMiddle, Vector2(80, 55)));
-  window.session.release(window.at(kMiddle, Vector2(80, 55)));
-  window.session.wait();
-  const Vector3 way = window.session.recorded().steps.at(0).handles[0].transform.translation;
-  EXPECT_NEAR(way.x(), 80 * window.view.pixel_size(Vector3(30, 30, 0)), 1e-9);
-  EXPECT_EQ(way.y(), 0);
-  EXPECT_EQ(way.z(), 0);
-}
-
 TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   Window window(hills());
   window.change([](DragSettings& s) { s.handle_fraction = 3 / s.radius; });
@@ -226,18 +212,6 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
   const Points after = support::rows(window.host(), edit.steps[0].handles[0].vertices);
   const auto spread = [](const Points& points) { return (points.rowwise() - points.colwise().mean()).norm(); };
   EXPECT_NEAR(spread(after) / spread(before), 1.5, 0.03);
-}
-
-/// Fails if the line over the picture does not say why frames are slow, or says it where they are not.
-TEST(DragSession, SaysWhereFramesAreFullSolutions) {
-  for (const EditMethod method : {EditMethod::Default, EditMethod::Paper}) {
-    Window window(hills());
-    window.change([method](DragSettings& s) { s.edit = EditSettings::of(method); });
-    window.click(kMiddle);
-    window.press(kMiddle);
-    window.session.move(window.at(window.at(kMiddle).pixel + Vector2(20, 10)));
-    EXPECT_EQ(window.says("each frame is a full solution"), method == EditMethod::Paper);
-  }
 }
 
 TEST(DragSession, RotatingOrScalingASingleVertexIsRefused) {

@@ -117,31 +117,6 @@ TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {
   EXPECT_LT(answers, 10);  // all but the last few came while the region was being prepared
 }
 
-TEST(SolverThread, NewTaskDropsTheOldOne) {
-  SolverThread worker(nullptr);
-  SolverPose pose;
-  worker.prepare(task_for(kHandle, 40));
-  worker.solve({support::shift(Vector3(0, 0, 1))}, false);
-  worker.prepare(task_for(1000, 5));
-  const SolverUpdate update = all_updates(worker, pose);
-  ASSERT_TRUE(update.region);
-  EXPECT_TRUE(update.ready);
-  EXPECT_FALSE(update.pose);
-  const std::vector<int>& vertices = update.region->mesh_vertex;
-  EXPECT_TRUE(std::binary_search(vertices.begin(), vertices.end(), 1000));
-}
-
-TEST(SolverThread, CancelDropsAllAndNothingComesAfterIt) {
-  SolverThread worker(nullptr);
-  SolverPose pose;
-  worker.prepare(task_for(kHandle, 40));
-  worker.solve({support::shift(Vector3(0, 0, 1))}, false);
-  worker.cancel();
-  const SolverUpdate update = all_updates(worker, pose);
-  EXPECT_FALSE(update.region || update.ready || update.pose);
-  EXPECT_TRUE(update.error.empty());
-}
-
 /// Also where the work that is left asks no more.
 TEST(SolverThread, CancelAtAnyMomentDropsAll) {
   std::atomic<int> calls{1};
@@ -397,33 +372,6 @@ TEST(FirstFrames, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
       ASSERT_FALSE(third.poses.empty());
       EXPECT_TRUE(support::same_bits(third.poses.back().positions, exact));
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-  }
-}
-
-TEST(FirstFrames, RefusalsAreReported) {
-  PrepareTask task = large_task();
-  SolverThread worker(nullptr);
-  worker.prepare(task);
-  worker.solve({support::shift(Vector3(std::nan(""), 0, 0))}, true);
-  Followed seen;
-  seen.listen(worker);
-  EXPECT_NE(seen.all.pose_error.find("finite"), std::string::npos);
-  EXPECT_TRUE(seen.poses.empty());
-  worker.solve(kLifted, true);
-  seen.listen(worker);
-  EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact_pose(task, kLifted)));
-}
-
-TEST(FirstFrames, EndsBeforeTheRegionIsPrepared) {
-  for (int i = 0; i < 5; ++i) {
-    SolverThread worker(nullptr);
-    worker.prepare(large_task());
-    worker.solve(kLifted, false);
-    Followed seen;
-    seen.listen(worker, true);
-    if (i % 2 == 1) {
-      worker.solve(kLifted, true);
     }
   }
 }

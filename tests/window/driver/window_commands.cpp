@@ -96,7 +96,7 @@ QJsonObject describe(const QWidget& found) {
                      {"name", found.objectName()},
                      {"enabled", found.isEnabled()},
                      {"visible", found.isVisible()},
-                     {"tool_tip", found.toolTip()}};
+                     {"takes_keys", found.focusPolicy() != Qt::NoFocus}};
   const QPoint corner = found.mapToGlobal(QPoint(0, 0));
   result["rectangle"] = QJsonArray{corner.x(), corner.y(), found.width(), found.height()};
   for (const char* property : {"text", "value", "checked", "currentIndex", "currentText", "currentRow", "minimum",
