@@ -46,7 +46,7 @@ LAPEDIT_INLINE int lowest_bit(std::uint64_t word) {
 }
 /// Lets the processor save power in a loop that waits for another thread.
 inline void pause_processor() {
-#if defined(__x86_64__) || defined(__i386__)
+#ifdef __x86_64__
   __builtin_ia32_pause();
 #elif defined(__aarch64__)
   __asm__ __volatile__("yield");
