@@ -82,7 +82,7 @@ for option; do
   esac
   options+=("\$option")
 done
-exec "$zig" -m ziglang c++ -s -target $2 "\${options[@]}"
+exec "$zig" -m ziglang c++ -O3 -s -target $2 "\${options[@]}"
 END
   chmod +x "$commands"/*
 }

@@ -14,11 +14,7 @@
 #define LAPEDIT_PRAGMA(text) _Pragma(#text)
 /// Unrolls the loop that follows, so that its sums stay in registers.
 #define LAPEDIT_UNROLL(count) LAPEDIT_PRAGMA(GCC unroll count)
-#ifdef __MINGW32__  // mingw's printf() is GNU's in C++, but GCC checks formats against Microsoft's
-#define LAPEDIT_PRINTF(text, first) __attribute__((format(gnu_printf, text, first)))
-#else
 #define LAPEDIT_PRINTF(text, first) __attribute__((format(printf, text, first)))
-#endif
 
 #ifdef __x86_64__
 #define LAPEDIT_HAVE_AVX 1
