@@ -7,11 +7,12 @@
 #   FOLDER  where the wheels go; compiler, headers and objects go to FOLDER/build
 #   SYSTEM  linux-x86_64, linux-aarch64, windows, macos-arm64, macos-x86_64: by default all
 #
-# It needs the packages python3-venv and xz-utils, apt's sources for Python's headers, and PyPI.
+# It installs the two packages of Debian that it needs, and takes Python's headers from apt's sources, the rest from PyPI.
 set -euo pipefail
 
 [ $# -ge 1 ] || { sed -n '/^# usage/,/^#$/s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 project=$(realpath "$(dirname "$0")/../..")
+"$project/common/scripts/install_dependencies.sh" wheels
 folder=$(realpath -m "$1")
 shift
 [ $# -gt 0 ] || set -- linux-x86_64 linux-aarch64 windows macos-arm64 macos-x86_64
@@ -81,7 +82,7 @@ for option; do
   esac
   options+=("\$option")
 done
-exec "$zig" -m ziglang c++ -s -target $2 "\${options[@]}"
+exec "$zig" -m ziglang c++ -O3 -s -target $2 "\${options[@]}"
 END
   chmod +x "$commands"/*
 }

@@ -7,6 +7,7 @@
 #   tests       also what tests/run takes
 #   pictures    also what the demonstration and the pictures take
 #   bench       also what tests/bench/ takes
+#   wheels      only what build_wheels.sh takes
 #   everything  also what tests/run --everything takes
 #
 # It needs root's rights, or sudo.
@@ -23,6 +24,7 @@ tests="$display $fast python3-venv libgtest-dev libsuitesparse-dev xdotool pytho
 for what in "$@"; do
   case $what in
   build) ;;
+  wheels) packages="python3-venv xz-utils" ;;
   tests) packages="$packages $tests" ;;
   pictures) packages="$packages $display $fast python3-numpy python3-vtk9" ;;
   bench) packages="$packages $display $fast libsuitesparse-dev libopenblas-dev libcgal-dev python3-numpy python3-scipy python3-vtk9" ;;
@@ -63,4 +65,4 @@ install() {
 install $packages
 # Libraries of MeshLab's own plugins are only recommended by its package from Debian 13 on. Without them it lacks filters.
 # shellcheck disable=SC2016,SC2046
-install $(dpkg-query -W -f '${Recommends}' meshlab | tr , '\n' | sed -n '/|/d; s/^ *\(lib[^ ]*\).*/\1/p')
+install $(dpkg-query -W -f '${Recommends}' meshlab 2>/dev/null | tr , '\n' | sed -n '/|/d; s/^ *\(lib[^ ]*\).*/\1/p')

@@ -3,7 +3,7 @@
 
 // Included before each file on ARM, so that Eigen rounds a * b + c twice there, as on other processors. Clang's header
 // defines functions that Eigen uses only while the macro is defined.
-#if defined(__aarch64__) || defined(__arm64__)
+#ifdef __aarch64__
 #include <arm_neon.h>
 #endif
 #undef __ARM_FEATURE_FMA

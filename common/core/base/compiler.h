@@ -14,11 +14,7 @@
 #define LAPEDIT_PRAGMA(text) _Pragma(#text)
 /// Unrolls the loop that follows, so that its sums stay in registers.
 #define LAPEDIT_UNROLL(count) LAPEDIT_PRAGMA(GCC unroll count)
-#ifdef __MINGW32__  // mingw's printf() is GNU's in C++, but GCC checks formats against Microsoft's
-#define LAPEDIT_PRINTF(text, first) __attribute__((format(gnu_printf, text, first)))
-#else
 #define LAPEDIT_PRINTF(text, first) __attribute__((format(printf, text, first)))
-#endif
 
 #ifdef __x86_64__
 #define LAPEDIT_HAVE_AVX 1
@@ -46,7 +42,7 @@ LAPEDIT_INLINE int lowest_bit(std::uint64_t word) {
 }
 /// Lets the processor save power in a loop that waits for another thread.
 inline void pause_processor() {
-#if defined(__x86_64__) || defined(__i386__)
+#ifdef __x86_64__
   __builtin_ia32_pause();
 #elif defined(__aarch64__)
   __asm__ __volatile__("yield");
