@@ -2,8 +2,10 @@
 """Measures the shape of edits and compares it with peers, see quality.sh and README.md."""
 import argparse
 import json
+import math
 import os
 import pathlib
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -12,6 +14,7 @@ import numpy as np
 
 import quality_edits
 import quality_page
+import quality_remeshing
 from quality_edits import ply_meshes
 from quality_measures import measure, targets_of
 
@@ -86,6 +89,38 @@ class Bench:
             draw(self.options.pictures / f"{name}.png", edit, region, {method: poses[method] for method in self.methods if method in poses}, figures)
         return {"vertices": len(region["vertices"]), "class": kind, **figures}
 
+    def remeshed(self, edit):
+        """For each triangulation and method the largest distance of a vertex that stays from itself, over the largest displacement."""
+        region, expected, _ = self.run(edit, 1)
+        spec, count = edit.step["region"], len(edit.mesh[0])
+        anchors, groups, vertices = spec.get("anchors", {}), np.array(region["groups"]), np.array(region["vertices"])
+        handles = [vertices[groups == g] for g in range(groups.max() + 1)]
+        lists = [range(count) if "vertices" in spec else [], anchors.get("vertices", []), spec.get("held", []), *handles]
+        masks, numbers = [0] * count, np.zeros((count, 2))
+        for k, members in enumerate(lists):
+            for v in members:
+                masks[v] |= 1 << k
+        if anchors:
+            numbers[anchors["vertices"]] = np.stack([anchors["weights"], anchors["depths"]], 1)
+        for kind, change in quality_remeshing.KINDS.items():
+            mesh = quality_remeshing.Mesh(*edit.mesh, masks, numbers)
+            change(mesh, {v for handle in handles if len(handle) < 20 for v in handle})
+            points, now, strengths, faces, kept = mesh.result()
+            found = [[v for v, mask in enumerate(now) if mask >> k & 1] for k in range(len(lists))]
+            step = {"region": {**spec}, "handles": [{"vertices": one, "matrix": [*matrix, 0, 0, 0, 1]} for one, matrix in zip(found[3:], region["maps"])]}
+            for key, members in zip(("vertices", "anchors", "held"), found):
+                if key in spec:
+                    step["region"][key] = members
+            if anchors:
+                weights, depths = strengths[found[1]].T.tolist()
+                step["region"]["anchors"] = {**anchors, "vertices": found[1], "weights": weights, "depths": depths}
+            _, poses, _ = self.run(quality_edits.Edit((points, faces), step["region"], *step["handles"]), 1)
+            stays = kept >= 0
+            for method in self.methods:
+                both = method in expected and method in poses
+                off = np.linalg.norm(expected[method][stays] - poses[method][kept[stays]], axis=1).max() if both else math.nan
+                yield f"{kind}, {method}", off / np.linalg.norm(expected[method] - edit.mesh[0], axis=1).max() if both else math.nan
+
 
 def draw(picture, edit, region, poses, figures):
     """The methods side by side; captions: RMS stretch in %, flipped triangles, new pairs."""
@@ -110,6 +145,14 @@ def draw(picture, edit, region, poses, figures):
         subprocess.run(list(map(str, command)), check=True)
 
 
+def print_remeshed(bench, edits):
+    rows = {name: dict(bench.remeshed(make())) for name, (_, make) in edits.items()}
+    head = list(next(iter(rows.values())))
+    for what, of in (("median", statistics.median), ("largest", max)):
+        rows[what] = {key: of([row[key] for row in rows.values() if not math.isnan(row[key])]) for key in head} if len(edits) else {}
+    quality_page.table(("% of the largest displacement", *head), [(name, *(f"{100 * row[key]:.2g}" for key in head)) for name, row in rows.items()])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--program", type=pathlib.Path, required=True, help="quality_bench")
@@ -120,6 +163,7 @@ def main():
     parser.add_argument("--only", default="", metavar="A,B", help="only these methods")
     parser.add_argument("--libigl", action="store_true")
     parser.add_argument("--blender", action="store_true")
+    parser.add_argument("--remeshed", action="store_true", help="the change of each edit when the surface is triangulated anew")
     parser.add_argument("--threads", type=int, default=0, help="ours; 0: as many as the machine has")
     parser.add_argument("--repeat", type=int, default=2, help="best times of so many runs")
     parser.add_argument("--json", type=pathlib.Path, required=True, help="file of all figures")
@@ -129,6 +173,9 @@ def main():
     edits, bench = quality_edits.edits(), Bench(options)
     if options.edits:
         edits = {name: edits[name] for name in options.edits.split(",")}
+    if options.remeshed:
+        print_remeshed(bench, edits)
+        return
     rows = {}
     for name, (kind, make) in edits.items():
         rows[name] = bench.measured(name, kind, make())
