@@ -204,8 +204,12 @@ void takeFiles(const Words& words, Options& options) {
     options.edit = hasLandmarks ? words.value("--landmarks") : hasFit ? "" : files[2];
     options.targets = hasLandmarks ? words.value("--landmarks", 1) : "";
   }
-  if (options.input == "-" && options.edit == "-") {
+  const std::string* const read[] = {&options.input, &options.edit, &options.targets};
+  if (std::count_if(std::begin(read), std::end(read), [](const std::string* name) { return *name == "-"; }) > 1) {
     refuse("The standard input is named twice: give the mesh or the edit as a file.");
+  }
+  if (options.report == "-") {
+    refuse("The report cannot be written to the standard output: give a file name with --report.");
   }
   if (options.numbered && options.output == "-") {
     refuse("Several poses cannot be written to the standard output: give a file name with --fractions.");

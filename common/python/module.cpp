@@ -91,6 +91,7 @@ using Clock = std::chrono::steady_clock;
 
 // Calls, and those of them that work without Python's lock. Changed with the lock only.
 int calls = 0, unlocked = 0;
+int forks = 0;                  // between the first process and this one
 unsigned long main_thread = 0;  // as PyThread_get_thread_ident() returns it
 std::atomic<bool> is_ending{false};
 
@@ -321,6 +322,13 @@ class Editor {
   Editor(Given& given, const nb::object& progress) : given_(std::move(given)) {
     attend(progress, [this] { prepare(); });
   }
+  ~Editor() {
+    if (forks_ != forks) {
+      static_cast<void>(step_.release());  // it would wait for threads that only the parent process has
+    }
+  }
+  Editor(const Editor&) = delete;
+  Editor& operator=(const Editor&) = delete;
 
   /// @param handles  JSON of an edit whose one step has the groups with other motions; empty: their own
   nb::tuple pose(double fraction, const nb::bytes& handles, const nb::object& progress) {
@@ -440,6 +448,7 @@ class Editor {
     return located(given_.mesh, adjacency_, std::move(edit), given_.selection).steps.front();
   }
 
+  const int forks_ = forks;
   Given given_;
   TriangleMesh mesh_;  // with the faces that the step sees, see Joined
   Adjacency adjacency_;
@@ -570,6 +579,7 @@ NB_MODULE(_core, module) {
   const nb::module_ os = nb::module_::import_("os");
   if (nb::hasattr(os, "register_at_fork")) {  // the child has none of these threads
     os.attr("register_at_fork")("after_in_child"_a = nb::cpp_function([] {
+                                  ++forks;
                                   calls = unlocked = 0;
                                   main_thread = PyThread_get_thread_ident();
                                 }));

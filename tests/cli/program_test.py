@@ -61,6 +61,8 @@ class Usage(ProgramTest):
                 *((f'"{text}": give three numbers', (self.mesh, "--nearest", text)) for text in ("0,0", "0,0,nan", "0,0,0,0")),
                 (r"--contact without --fit", (*two, "--contact", "--symmetrise")),
                 (r"standard input is named twice", ("-", "out.ply", "-")),
+                (r"standard input is named twice", ("-", "out.ply", "--landmarks", points, "-")),
+                (r"report cannot be written to the standard output: give a file", (*good, "--report", "-")),
                 (r"cannot be written to the standard output: give a file", (self.mesh, "-", self.edit, "--fractions", "0,1")),
                 *((rf'"{name}" is in no format .* MeshLab or PyMeshLab', (self.mesh, name, self.edit))
                   for name in ("out.dae", "out", "out.ply.gz", "ply")),

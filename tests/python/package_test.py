@@ -568,6 +568,25 @@ class Editing(unittest.TestCase):
             done = subprocess.run([sys.executable, "-c", code, str(delay)], capture_output=True, text=True, timeout=120, check=False)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
 
+    @unittest.skipUnless(hasattr(os, "fork"), "no fork")
+    def test_a_forked_process_drops_an_editor(self):
+        code = """if True:
+            import os, signal, numpy, laplacian_edit
+            x, y = numpy.meshgrid(numpy.arange(61.0), numpy.arange(61.0))
+            points = numpy.stack([x.ravel(), y.ravel(), numpy.sin(x).ravel()], axis=1)
+            corner = (numpy.arange(60)[:, None] * 61 + numpy.arange(60)).ravel()
+            faces = numpy.stack([corner, corner + 1, corner + 62, corner + 61], axis=1)
+            editor = laplacian_edit.Editor(points, faces, {"region": {"radius": 25}, "handles": [{"vertices": 1860, "translation": [0, 0, 9]}]})
+            pose = editor.pose()
+            if os.fork() == 0:
+                signal.alarm(20)
+                assert (editor.pose() == pose).all()
+                del editor
+            elif os.wait()[1] != 0:
+                raise ChildProcessError"""
+        done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, timeout=120, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
     def test_mirrored_and_welded_steps(self):
         points, faces = grid()
         corners = faces.ravel()

@@ -374,6 +374,9 @@ int Packing::seed(int most, std::vector<int>& of) {
   ties_.marks.clear();
   for_indices(pool_, n, kGrain,
               [&](int i) { ties_.from_middle[i] = in_steps((rest_.row(i).transpose() - ties_.middle).norm()); });
+  std::sort(lone_.begin(), lone_.end(), [this](int a, int b) {
+    return std::pair(ties_.from_middle[a], position(a)) < std::pair(ties_.from_middle[b], position(b));
+  });
   int cells = 0;
   for (const int v : lone_) {
     claim(v, cells++, of);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -52,14 +53,21 @@ MirroredHandles::MirroredHandles(const MirrorImages& images, const std::vector<s
     }
   }
   const std::vector<MirrorImages::Pairs> pairs = images.of(groups, missing);
+  std::vector<double> nearest(taken.size(), std::numeric_limits<double>::infinity());  // of the images of all groups
+  for (const MirrorImages::Pairs& of_group : pairs) {
+    for (const auto& pair : of_group) {
+      nearest[pair.first] = std::min(nearest[pair.first], images.distance(pair));
+    }
+  }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const std::vector<int>& group = groups[g];
     std::vector<int> image;
     std::vector<double> image_weights;
-    for (const auto& [v, original] : pairs[g]) {
+    for (const auto& pair : pairs[g]) {
+      const auto& [v, original] = pair;
       const auto at = static_cast<std::size_t>(index_in(group, original));
       symmetric_[g] |= contains(group, v);
-      if (!taken[v]) {
+      if (!taken[v] && images.distance(pair) <= nearest[v]) {
         taken[v] = 1;
         image.push_back(v);
         image_weights.push_back(weights_[g].empty() ? 1 : weights_[g][at]);

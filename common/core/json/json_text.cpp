@@ -31,7 +31,12 @@ class Watch : public Json::json_sax_t {
     add_key(key);
     return true;
   }
-  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+  bool parse_error(std::size_t, const std::string& read, const nlohmann::detail::exception& error) override {
+    constexpr int kOverflow = 406;  // whose message has the whole number, however long, but not its place
+    if (error.id == kOverflow) {
+      refuse_json(where(open_.size()) + ": the number " + quoted_text(read) + " is too large: give a smaller one.",
+                  where(open_.size()));
+    }
     return false;  // the parser reports it
   }
 
@@ -77,9 +82,10 @@ class Watch : public Json::json_sax_t {
   }
 
   /// Returns the path of the object that is being read, such as "steps[1].region".
-  std::string where() const {
+  std::string where() const { return where(open_.size() - 1); }
+  std::string where(std::size_t depth) const {
     std::string path;
-    for (std::size_t i = 0; i + 1 < open_.size(); ++i) {
+    for (std::size_t i = 0; i < depth; ++i) {
       path +=
           open_[i].is_array ? "[" + std::to_string(open_[i].entries) + "]" : (path.empty() ? "" : ".") + open_[i].key;
     }

@@ -212,6 +212,10 @@ int MirrorImages::of(int v) const {
   return position.allFinite() ? tree_.nearest(position, limit_) : -1;
 }
 
+double MirrorImages::distance(const std::pair<int, int>& pair) const {
+  return (mirror_ * position_of(mesh_.vertices, pair.second) - position_of(mesh_.vertices, pair.first)).norm();
+}
+
 std::vector<MirrorImages::Pairs> MirrorImages::of(const std::vector<std::vector<int>>& sets,
                                                   std::vector<int>& missing) const {
   std::vector<Pairs> all(sets.size());
@@ -246,8 +250,11 @@ std::vector<MirrorImages::Pairs> MirrorImages::of(const std::vector<std::vector<
     }
   }
   const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
+  const auto before = [this](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : std::pair(distance(a), a.second) < std::pair(distance(b), b.second);
+  };
   for (Pairs& pairs : all) {
-    std::sort(pairs.begin(), pairs.end());
+    std::sort(pairs.begin(), pairs.end(), before);
     pairs.erase(std::unique(pairs.begin(), pairs.end(), same), pairs.end());
   }
   return all;

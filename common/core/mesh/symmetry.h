@@ -45,13 +45,15 @@ class MirrorImages {
   /// Returns the image of a vertex; -1: no vertex is nearer to its mirrored position than four mean edges or 2 % of the
   /// bounding box's diagonal.
   int of(int v) const;
-  /// A vertex of the image of a set, and the (lowest) vertex of the set whose image it is.
+  /// A vertex of the image of a set, and the vertex of the set whose image it is; of several the nearest.
   using Pairs = std::vector<std::pair<int, int>>;
   /// Returns the image of each set, ascending. The image of more than one vertex also has the vertices whose own images
   /// are in the set.
   /// @param sets  ascending, without common vertices. @param missing out: the vertices without an image
   /// Cost: O(vertices), however many sets there are.
   std::vector<Pairs> of(const std::vector<std::vector<int>>& sets, std::vector<int>& missing) const;
+  /// Returns how far the image is from the mirrored position of the other vertex.
+  double distance(const std::pair<int, int>& pair) const;
   /// Returns a set with its image, ascending. @param what names a vertex of it. @throws EditError (BadIndex)
   std::vector<int> joined(std::vector<int> set, const char* what) const;
 

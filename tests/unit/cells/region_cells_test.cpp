@@ -110,6 +110,13 @@ TEST(RegionCells, DoNotDependOnTheNumbersOfVertices) {
 }
 
 /// Fails if the last bit decides which vertices make a cell: then a mesh in other units is edited to another shape.
+TEST(RegionCells, DoNotDependOnTheOrderOfGroupsOfOneVertex) {
+  const TriangleMesh mesh = shapes::grid(21, 21);
+  const std::vector<int> one = {220}, other = {222};
+  EXPECT_EQ(Divided(mesh, support::within(8), {one, other}).cells.of,
+            Divided(mesh, support::within(8), {other, one}).cells.of);
+}
+
 TEST(RegionCells, AreTheSameOfAMeshThatIsTurnedOrScaled) {
   for (const TriangleMesh& mesh :
        {shaken(shapes::cylinder(16, 60)), shapes::letter_field(60, 30), shaken(shapes::grid(40, 30))}) {

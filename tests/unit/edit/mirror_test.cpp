@@ -131,6 +131,32 @@ TEST(Mirror, WeightsGoWithTheirVertices) {
   }
 }
 
+/// On a surface whose other side is coarser, a vertex is the image of several.
+TEST(Mirror, ImageFollowsTheNearestOfSeveralVertices) {
+  TriangleMesh mesh = shapes::together(shapes::icosphere(3), shapes::icosphere(5), {3, 0, 0});
+  mesh.vertices = mesh.vertices.colwise().reverse().eval();  // others come before the exact partners
+  mesh.faces = (static_cast<int>(mesh.vertices.rows()) - 1 - mesh.faces.array()).matrix().eval();
+  const std::vector<int> group = disc(mesh, {3, 0, 1}, 0.4);
+  std::vector<Vector3> targets;
+  targets.reserve(group.size());
+  for (const int v : group) {
+    targets.push_back(position_of(mesh.vertices, v) * 2);
+  }
+  const MirroredHandles handles(mesh, {group}, {{1.5, 0, 0}, {1, 0, 0}});
+  ASSERT_EQ(handles.groups().size(), 2U);
+  std::vector<Vector3> mirrored;
+  handles.targets(1, {targets}, mirrored);
+  int inside = 0;  // with their exact partners in the group
+  for (std::size_t k = 0; k < mirrored.size(); ++k) {
+    const Vector3 rest = position_of(mesh.vertices, handles.groups()[1][k]);
+    if ((rest - Vector3::UnitZ()).norm() < 0.3) {
+      EXPECT_LT((mirrored[k] - Vector3(2 * rest.x() - 3, 2 * rest.y(), 2 * rest.z())).norm(), 1e-9);
+      ++inside;
+    }
+  }
+  EXPECT_GT(inside, 5);
+}
+
 /// On a surface whose other side is finer, an image has no holes.
 TEST(Mirror, ImageIsAsDenseAsTheSurfaceThere) {
   const TriangleMesh mesh = shapes::together(shapes::icosphere(3), shapes::icosphere(5), {3, 0, 0});
@@ -140,6 +166,20 @@ TEST(Mirror, ImageIsAsDenseAsTheSurfaceThere) {
   ASSERT_EQ(handles.groups().size(), 2U);
   EXPECT_GT(handles.groups()[1].size(), 8 * group.size());
   EXPECT_EQ(MirroredHandles(mesh, {{group[0]}}, plane).groups()[1].size(), 1U);
+}
+
+TEST(Mirror, OrderOfGroupsDoesNotMatter) {
+  const TriangleMesh mesh = shapes::together(shapes::icosphere(3), shapes::icosphere(5), {3, 0, 0});
+  const MirrorPlane plane{{1.5, 0, 0}, {1, 0, 0}};
+  const std::vector<int> disc_there = disc(mesh, {3, 0, 1}, 0.4);
+  std::vector<int> odd, even;  // with the same images
+  for (const int v : disc_there) {
+    (v % 2 == 0 ? even : odd).push_back(v);
+  }
+  const auto a = MirroredHandles(mesh, {odd, even}, plane).groups(),
+             b = MirroredHandles(mesh, {even, odd}, plane).groups();
+  ASSERT_EQ(a.size(), 4U);
+  EXPECT_EQ(a, std::vector({b[1], b[0], b[3], b[2]}));
 }
 
 TEST(Mirror, WorkGrowsWithTheVerticesHoweverManyGroupsThereAre) {
