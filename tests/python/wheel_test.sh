@@ -100,8 +100,13 @@ windows() {
   quietly "$pip" install --target "$work/cp311/site" --python-version 3.11 --platform win_amd64 --only-binary=:all: \
     --no-compile --no-deps 'pymeshlab==2025.7.*' 'msvc-runtime==14.*'
   mv "$work/cp311/site/msvcp140.dll" "$work/cp311"
-  # While a process runs, wine keeps its services: a program starts ten times as fast, and none of them fails at another start.
-  windows_python cp311 -c 'import time; time.sleep(3600)' &
+  # While a process runs, wine keeps its services, so that a program starts ten times as fast, and no service fails at another
+  # start. They hold this process's pipe open, not those of the tests.
+  coproc windows_python cp311 -c 'import ctypes, time
+ctypes.windll.user32.GetDesktopWindow()
+print("ready", flush=True)
+time.sleep(3600)'
+  grep -q ready <&"${COPROC[0]}"
   windows_python cp311 site/package_test.py
   windows_python cp311 site/pymeshlab_test.py
   windows_python cp312 site/package_test.py
