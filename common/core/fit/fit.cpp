@@ -82,8 +82,12 @@ class Fit {
 Fit::Fit(const FitProblem& problem)
     : of_(problem), with_(problem.settings.constants), pool_(std::make_shared<ThreadPool>(problem.threads)) {
   const Region& region = of_.region;
-  if (region.faces.rows() == 0) {
-    throw EditError(ErrorCause::EmptyMesh, "The region of the fit has no triangles: give a region of the surface.")
+  const Points given = gather(of_.mesh.vertices, region.mesh_vertex);
+  const SurfaceSize own = size_of(given, region.faces);
+  constexpr double kRounding = 1e-12;
+  if (!(own.size > kRounding * own.centroid.norm())) {
+    throw EditError(ErrorCause::EmptyMesh,
+                    "The region of the fit has a single triangle, or none with an area: give a region of the surface.")
         .at("region");
   }
   refuse_fans(region, 1, std::numeric_limits<int>::max());
@@ -107,8 +111,6 @@ Fit::Fit(const FitProblem& problem)
                     "\"align\": \"none\".")
         .at("fit.align");
   }
-  const Points given = gather(of_.mesh.vertices, region.mesh_vertex);
-  const SurfaceSize own = size_of(given, region.faces);
   const Points before = (given.rowwise() - own.centroid.transpose()) / own.size;
   const double unit = of_.scan.size(), ratio = own.size / unit;
   constexpr double kAnotherUnit = 1000;
