@@ -122,6 +122,23 @@ TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
   EXPECT_GT(window.session.settings().radius, 0.9 * size);
 }
 
+TEST_P(DragFeatures, HandleIsAFractionOfTheRadiusShown) {
+  const auto [levels, size] = GetParam();
+  Window window(creature(levels, false, size));
+  as_found(window);
+  window.click(support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0)));
+  const std::vector<std::vector<int>> handle = window.session.selection().groups;
+  const std::size_t region = window.region().size();
+  window.change([](DragSettings& s) {
+    s.radius *= 1.5;
+    s.handle_fraction /= 1.5;
+  });
+  EXPECT_EQ(window.session.selection().groups, handle);
+  EXPECT_GT(window.region().size(), region);
+  window.change([](DragSettings& s) { s.handle_fraction *= 2; });
+  EXPECT_GT(window.session.selection().groups.at(0).size(), handle.at(0).size());
+}
+
 TEST_P(DragFeatures, EyeComesAlongUnlessItIsExcluded) {
   const auto [levels, size] = GetParam();
   const TriangleMesh mesh = creature(levels, true, size);

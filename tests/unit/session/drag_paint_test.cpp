@@ -194,6 +194,28 @@ TEST(DragPivot, SingleVertexTurnsAboutAPointToo) {
   window.expect_consistent();
 }
 
+TEST(DragSteps, LoadedStepsKeepTheirNames) {
+  Window window(shapes::grid(60, 60));
+  window.change([](DragSettings& s) {
+    s.radius = 12;
+    s.handle_fraction = 0.3;
+  });
+  window.drag(kMiddle, Vector2(20, 30));
+  window.keys("r");
+  window.session.move(window.at(Vector2(600, 500)));
+  window.keys("\r");
+  window.keys("tx2\r");
+  Window other(shapes::grid(60, 60));
+  other.session.load(window.session.recorded());
+  other.session.wait();
+  const auto& names = other.session.timeline().done();
+  ASSERT_EQ(names.size(), 3U);
+  EXPECT_EQ(names[0].name, window.session.timeline().done()[0].name);
+  EXPECT_EQ(names[1].name, window.session.timeline().done()[1].name);
+  EXPECT_EQ(names[1].name.find("Turning by"), 0U);
+  EXPECT_EQ(names[2].name, "Moving by 2 along X");
+}
+
 // --- Lasso -----------------------------------------------------------------------------------------------------------
 
 /// Draws a closed rectangle of pixels.
