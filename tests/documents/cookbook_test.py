@@ -134,6 +134,7 @@ class Cookbook(unittest.TestCase):
         ear = [i for i, p in enumerate(before) if math.dist(p, (0.98, 0.08, -0.17)) < 0.2]
         self.assertAlmostEqual((max(after[i][1] for i in ear) - min(after[i][1] for i in ear)) /
                                (max(before[i][1] for i in ear) - min(before[i][1] for i in ear)), 1.3, delta=0.01)
+        self.draw("ear", "head", "out", toward=(1, 0.1, 0.35))
 
     def test_arm_and_finger(self):
         job = "Pose an arm and a finger"
