@@ -84,8 +84,10 @@ Affine map_between(const CMeshO& from, const CMeshO& to) {
   if (const Eigen::Matrix4d a = transform_of(from), b = transform_of(to); a != b) {
     const Eigen::Matrix4d both = b.inverse() * a;
     if (!both.allFinite()) {
-      throw EditError(ErrorCause::BadParameter,
-                      "The transform of the current layer has no inverse: reset or freeze its matrix.");
+      throw EditError(
+          ErrorCause::BadParameter,
+          "The transform of the current layer has no inverse, or another layer's has a number that is not finite: "
+          "reset or freeze their matrices.");
     }
     map.matrix() = both.topRows<3>();
   }
