@@ -18,6 +18,7 @@ import trimesh
 from laplacian_edit import EditRefused, edit
 
 
+
 @functools.lru_cache(None)
 def mesh(name):
     with tempfile.TemporaryDirectory() as folder:
@@ -75,6 +76,12 @@ def fingers():
     return points, faces, {"region": {"radius": 1.2}, "handles": [{"vertices": tip, "translation": [0.35, -0.1, 0]}]}
 
 
+def hand_on_thigh():
+    points, faces = mesh("person")
+    hand = near(points, 1.08, -0.4, 0.1, radius=0.25)
+    return points, faces, {"region": {"radius": 1.4}, "handles": [turned(hand, [0, 0, 1], -55, [0.4, 0.8, 0])]}
+
+
 def arm_through_body():
     points, faces = mesh("person")
     hand = near(points, 1.08, -0.4, 0.1, radius=0.25)
@@ -124,7 +131,20 @@ def sleeve():
     return points, faces, {"region": {"component": True}, "handles": [{"vertices": held}, {"vertices": cuff, "translation": [0.45, 0, 0]}]}
 
 
-CASES = [fingers, arm_through_body, elbow, coil, ear, nose, sheet, squashed, sleeve]
+def thumb():
+    points, faces = mesh("hand")
+    side = points[:, 0].argmax() if points[:, 0].max() > -points[:, 0].min() else points[:, 0].argmin()
+    tip = near(points, *points[side], radius=0.2)
+    return points, faces, {"region": {"radius": 1.1}, "handles": [{"vertices": tip, "translation": list(0.9 * (numpy.array([0.05, 0.6, 0.3]) - points[side]))}]}
+
+
+def horn():
+    points, faces = mesh("creature")
+    tip = near(points, 1.28, 1.95, 0.3, radius=0.15)
+    return points, faces, {"region": {"radius": 1}, "handles": [{"vertices": tip, "translation": [0, -0.5, -0.75]}]}
+
+
+CASES = [fingers, hand_on_thigh, arm_through_body, elbow, coil, ear, nose, sheet, squashed, sleeve, thumb, horn]
 
 
 def both_ways(case):
@@ -142,6 +162,7 @@ class Contact(unittest.TestCase):
                 self.assertTrue(crosses(plain[0], faces))
                 self.assertFalse(crosses(stopped[0], faces))
                 self.assertFalse(crosses(stopped[0].astype(numpy.float32), faces))
+
 
     def test_the_report_says_what_stopped(self):
         points, faces, step, plain, stopped = both_ways(sleeve)
