@@ -13,7 +13,7 @@ import unittest
 
 import numpy as np
 
-from program import COMMAND, SANITIZED
+from program import COMMAND
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "compat"))
 
@@ -224,7 +224,6 @@ def moved(matrix, points):
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-@unittest.skipIf(SANITIZED, "takes minutes, and the C++ tests run the same code")
 class Invariance(Edits):
     """The edit of a mesh that is moved, scaled, mirrored or numbered anew is moved, scaled, mirrored or numbered anew."""
     SETTINGS = ({}, {"method": "paper", "laplacian": "cotangent"}, {"method": "linear", "laplacian": "umbrella"})
@@ -720,7 +719,6 @@ class Shape(Edits):
             self.assert_error(found, expected, 1e-8, instructions)
             self.assertTrue((self.bent(mesh, 1, 10.4, 80)[0][0] == found).all(), instructions)
 
-    @unittest.skipIf(SANITIZED, "as Invariance")
     def test_details_keep_their_orientation(self):
         """Prints the tilt of known bumps against the normals of the plane that is edited alike, and their height, before 3. The methods
         linear and paper meet references from both sides."""
