@@ -195,7 +195,7 @@ class Archive(unittest.TestCase):
         self.assertNotEqual(subprocess.run(["dpkg", "--compare-versions", later, *bounds[1]], check=False).returncode, 0)
 
     def test_is_hardened(self):
-        """Each binary: symbols bound when it is loaded, checked C functions, relocations read-only, a stack protector."""
+        """Each binary: symbols bound when it is loaded, no folders of its own for libraries, checked C functions, relocations read-only, a stack protector."""
         folder = pathlib.Path(tempfile.mkdtemp(prefix="lapedit-"))
         self.addCleanup(shutil.rmtree, folder)
         subprocess.run(["dpkg-deb", "-x", PACKAGE, folder], check=True, timeout=PATIENCE)
@@ -207,6 +207,7 @@ class Archive(unittest.TestCase):
                 missing = [sign for sign in (r"\bBIND_NOW\b", "GNU_RELRO", "__stack_chk_fail", r"__\w+_chk@")
                            if not re.search(sign, told)]
                 self.assertEqual(missing, [])
+                self.assertNotRegex(told, r"\(R(UN)?PATH\)", "it takes libraries from another folder")
 
 
 class Package(unittest.TestCase):
