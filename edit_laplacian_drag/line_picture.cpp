@@ -89,12 +89,14 @@ PaintsTexts::~PaintsTexts() {
 
 StatusLine fitted(QPainter& painter, StatusLine line) {
   const int room = painter.window().height() / 4;
+  int height = sizeOf(painter, line).height();
   for (QString* const part : {&line.text, &line.warning}) {
-    while (part->contains(". ") && sizeOf(painter, line).height() > room) {
+    while (height > room && part->contains(". ")) {
       part->truncate(part->lastIndexOf(". ") + 1);
+      height = sizeOf(painter, line).height();
     }
   }
-  if (sizeOf(painter, line).height() > room) {
+  if (height > room) {
     line.position.clear();
   }
   return line;
