@@ -123,7 +123,7 @@ ContactPose::ContactPose(const TriangleMesh& mesh, std::shared_ptr<const RestPos
   resting_.conservativeResize(resting, 3);
   number(moving);
   surface_ = std::make_unique<ContactSurface>(gather(vertices_, mesh_vertex_), std::move(moving));
-  set_resting(bounding_box(rest_->local));
+  set_resting(rest_->local);
 }
 
 ContactPose::~ContactPose() = default;
@@ -140,10 +140,21 @@ void ContactPose::number(Faces& faces) {
   }
 }
 
-/// Gives the surface the faces that rest in a box of twice the size, which most poses do not leave.
-void ContactPose::set_resting(const Eigen::AlignedBox3d& box) {
-  const Vector3 margin = 0.5 * box.sizes();
-  box_ = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
+/// Gives the surface the faces that rest in a box around a pose: the region's at rest, with a margin that doubles until
+/// the pose fits. Thus bits depend on no earlier pose.
+void ContactPose::set_resting(const Points& pose) {
+  const Eigen::AlignedBox3d rest = bounding_box(rest_->local), needed = rest.merged(bounding_box(pose));
+  double margin = 0.5 * (rest.sizes().any() ? rest : needed).sizes().maxCoeff();
+  Eigen::AlignedBox3d box;
+  do {
+    box = Eigen::AlignedBox3d(rest.min().array() - margin, rest.max().array() + margin);
+    margin *= 2;
+  } while (!box.contains(needed));
+  if (!box_.isEmpty() && box.min() == box_.min()) {
+    return;
+  }
+  box_ = box;
+  contacts_.clear();
   for (; mesh_vertex_.size() > static_cast<std::size_t>(surface_->moving_vertices()); mesh_vertex_.pop_back()) {
     local_[mesh_vertex_.back()] = -1;
   }
@@ -154,7 +165,7 @@ void ContactPose::set_resting(const Eigen::AlignedBox3d& box) {
     for (const int v : face) {
       own.extend(vertices_.row(v).transpose());
     }
-    if (box_.intersects(own)) {
+    if (box.intersects(own)) {
       faces.row(count++) = face;
     }
   }
@@ -162,6 +173,13 @@ void ContactPose::set_resting(const Eigen::AlignedBox3d& box) {
   number(faces);
   const std::vector<int> more(mesh_vertex_.begin() + surface_->moving_vertices(), mesh_vertex_.end());
   surface_->set_resting(gather(vertices_, more), faces);
+}
+
+/// As set_resting(), but what was in the box stays.
+void ContactPose::include(const Points& pose) {
+  if (!box_.contains(bounding_box(pose))) {
+    set_resting(pose);
+  }
 }
 
 /// Returns all vertices of the surface.
@@ -174,9 +192,7 @@ Points ContactPose::whole(const Points& pose) const {
 bool ContactPose::is_clear(const Points& pose, ThreadPool& pool) {
   touching_ = 0;
   converged_ = true;
-  if (const Eigen::AlignedBox3d box = bounding_box(pose); !box_.contains(box)) {
-    set_resting(box.merged(bounding_box(rest_->local)));
-  }
+  set_resting(pose);
   return surface_->is_clear(whole(pose), pool);
 }
 
@@ -357,6 +373,7 @@ void ContactPose::yield() {
 }
 
 bool ContactPose::approach(const Points& plain) {
+  include(plain);
   const Points before = pose_;
   bool reached = attempt(plain);
   if (!reached && !response_->yields()) {
@@ -370,38 +387,38 @@ bool ContactPose::approach(const Points& plain) {
   return reached;
 }
 
-void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& constraints,
-                         const std::vector<Points>& path) {
-  Eigen::AlignedBox3d box = bounding_box(rest_->local);
-  for (const Points& pose : path) {
-    box.extend(bounding_box(pose));
-  }
-  set_resting(box);  // in any case: bits depend on nothing earlier
+void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& constraints, int steps,
+                         const std::function<Points(int)>& plain) {
   response_ = std::make_unique<Response>(system);
   system_ = &system;
   constraints_ = &constraints;
   response_->yield({});
   contacts_.clear();
-  pose_ = rest_->local;
-  converged_ = true;
-  Points reached = rest_->local;
-  std::size_t first = 0, last = path.size() - 1;  // the first pose that crosses something is one of these
+  std::vector<Points> path(static_cast<std::size_t>(steps) + 1);
+  path[0] = rest_->local;
+  const auto at = [&](int step) -> const Points& {
+    Points& pose = path[static_cast<std::size_t>(step)];
+    if (pose.size() == 0) {
+      pose = plain(step);
+    }
+    return pose;
+  };
+  int first = 1, last = steps;  // the first pose that crosses something is one of these
   while (first < last) {
-    const std::size_t middle = (first + last) / 2;
-    const bool clear = surface_->is_clear(whole(path[middle]), *system.pool);
+    const int middle = (first + last) / 2;
+    include(at(middle));
+    const bool clear = surface_->is_clear(whole(at(middle)), *system.pool);
     first = clear ? middle + 1 : first;
     last = clear ? last : middle;
   }
-  if (first > 0) {
-    pose_ = reached = path[first - 1];
-  }
-  for (std::size_t k = first; k < path.size() && converged_; ++k) {
-    step_ = largest_row(path[k] - reached);
-    converged_ = approach(path[k]);
+  pose_ = at(first - 1);
+  converged_ = true;
+  for (int step = first; step <= steps && converged_; ++step) {
+    step_ = largest_row(at(step) - at(step - 1));
+    converged_ = approach(at(step));
     if (!converged_) {
-      approach(0.5 * (reached + path[k]));
+      approach(0.5 * (at(step - 1) + at(step)));
     }
-    reached = path[k];
   }
 }
 

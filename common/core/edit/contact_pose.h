@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -29,8 +30,10 @@ class ContactPose {
   /// Returns whether a pose crosses nothing that it does not cross at rest. Cost: less than a settled pose.
   /// @param pose  size() x 3, relative to the rest pose's origin, as all poses here
   bool is_clear(const Points& pose, ThreadPool& pool);
-  /// Follows plain poses from the rest pose. Cost: some settled poses. @throws EditError (Cancelled)
-  void follow(const LaplacianSystem& system, const EditConstraints& constraints, const std::vector<Points>& path);
+  /// Follows plain poses of steps 1 to `steps` from the rest pose, the last of which is_clear() was asked for. Those
+  /// before the last clear one need not be made. Cost: some settled poses. @throws EditError (Cancelled)
+  void follow(const LaplacianSystem& system, const EditConstraints& constraints, int steps,
+              const std::function<Points(int)>& plain);
   /// Moves on to the pose at one more plain pose. @return false if contacts jam: the pose is then as before
   bool approach(const Points& plain);
 
@@ -42,7 +45,8 @@ class ContactPose {
  private:
   class Response;
   void number(Faces& faces);
-  void set_resting(const Eigen::AlignedBox3d& box);
+  void set_resting(const Points& pose);
+  void include(const Points& pose);
   Points whole(const Points& pose) const;
   bool add(std::vector<Contact> contacts);
   void update_contacts();

@@ -294,20 +294,22 @@ void StepSolver::stop_at_contact() {
   }
   const PoseFigures figures = figures_;
   const std::vector<Matrix3> rotations = rotations_;
-  std::vector<Points> path;
-  for (int k = 1; k < kSteps; ++k) {
-    std::vector<HandleMotion> part = motions_.handles;
-    for (HandleMotion& motion : part) {
-      motion.fraction *= static_cast<double>(k) / kSteps;
+  contact_->follow(*system_, constraints_, kSteps, [&](int step) {
+    if (step == kSteps) {
+      return plain;
     }
-    apply(part, motions_.fraction * k / kSteps);
+    const double part = static_cast<double>(step) / kSteps;
+    std::vector<HandleMotion> motions = motions_.handles;
+    for (HandleMotion& motion : motions) {
+      motion.fraction *= part;
+    }
+    apply(motions, motions_.fraction * part);
     start(true);
     correct(1);
-    path.emplace_back(constraints_.start() + displacement_);
-  }
-  apply(motions_.handles, motions_.fraction);
-  path.push_back(plain);
-  contact_->follow(*system_, constraints_, path);
+    Points pose = constraints_.start() + displacement_;
+    apply(motions_.handles, motions_.fraction);
+    return pose;
+  });
   rotations_ = rotations;
   displacement_ = contact_->pose() - constraints_.start();
   if (constraints_.any()) {  // or the plain pose is rigid

@@ -91,12 +91,13 @@ Eigen::MatrixXd InverseProducts::operator()(const SparseMatrix& c) {
       continue;
     }
     const int size = parts[static_cast<std::size_t>(*list.begin())].size;
-    y.setZero(size, list.size());
+    y.resize(size, list.size());
     columns.clear();
     for (const int p : list) {
       const Part& part = parts[static_cast<std::size_t>(p)];
       if (columns.empty() || columns.back() != part.column) {
         columns.push_back(part.column);
+        y.col(static_cast<Eigen::Index>(columns.size()) - 1).setZero();
       }
       y.col(static_cast<Eigen::Index>(columns.size()) - 1) +=
           part.entry * Eigen::Map<const Eigen::VectorXd>(part.values, size);

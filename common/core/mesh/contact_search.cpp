@@ -67,6 +67,12 @@ bool place(Contact& contact, const Corners& x) {
   return contact.distance > 0;
 }
 
+bool share_corner(const Faces& faces, int f, int g) {
+  const int a = faces(g, 0), b = faces(g, 1), c = faces(g, 2);
+  const auto has = [&](int v) { return v == a || v == b || v == c; };
+  return has(faces(f, 0)) || has(faces(f, 1)) || has(faces(f, 2));
+}
+
 double volume(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
   return (b - a).cross(c - a).dot(d - a);
 }
@@ -339,12 +345,11 @@ bool ContactSurface::is_smooth(int a, int b) const {
 }
 
 bool ContactSurface::have_common_corner(int a, int b) const {
-  const auto of = [this](int node) {
-    return faces_.middleRows(nodes_[node].first, nodes_[node].last - nodes_[node].first).reshaped();
-  };
-  for (const int v : of(a)) {
-    if ((of(b).array() == v).any()) {
-      return true;
+  for (int f = nodes_[a].first; f < nodes_[a].last; ++f) {
+    for (int g = nodes_[b].first; g < nodes_[b].last; ++g) {
+      if (share_corner(faces_, f, g)) {
+        return true;
+      }
     }
   }
   return false;
@@ -364,13 +369,11 @@ bool ContactSurface::are_apart(int f, int g) const {
   if (!may_touch(a, b)) {
     return true;
   }
-  for (const int v : faces_.row(f)) {
-    if ((faces_.row(g).array() == v).any()) {
-      const Eigen::Array3d one = a.normal_low + a.normal_high, other = b.normal_low + b.normal_high;
-      return (one * other).sum() > kCosine * one.matrix().norm() * other.matrix().norm();
-    }
+  if (!share_corner(faces_, f, g)) {
+    return false;
   }
-  return false;
+  const Eigen::Array3d one = a.normal_low + a.normal_high, other = b.normal_low + b.normal_high;
+  return (one * other).sum() > kCosine * one.matrix().norm() * other.matrix().norm();
 }
 
 /// Calls visit(f, g, found) for all pairs of faces that may touch, of which at least one moves. @return what was found,
