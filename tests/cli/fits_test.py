@@ -268,13 +268,21 @@ class Fits(unittest.TestCase):
         found = self.advice(mesh=both, scan=both, landmarks=(marks, HEAD[0][marks] * (-1, 1, 1)), align="none", accuracy=0)
         self.assertIn("turned inside out, from a volume of ", found)
 
-    def test_borders_of_sheets_are_drawn_if_asked(self):
+    def test_borders_of_sheets_are_drawn_if_they_slid_or_if_asked(self):
         def sheet(cells, shift):
             points, faces = grid(cells, cells)
             x, y = points[:, :2].T / (cells - 1)
             return np.stack([x + shift * np.sin(3 * y), y, 0.05 * np.sin(4 * x) * np.cos(3 * y)], 1), faces
-        mesh, slid, truth = sheet(40, 0), sheet(57, 0.1), sheet(40, 0.1)[0]
-        self.assertLess(error(self.fit(mesh=mesh, scan=slid, borders=True), truth), 0.6 * error(self.fit(mesh=mesh, scan=slid), truth))
+        mesh, near, far = sheet(40, 0), sheet(57, 0.01), sheet(57, 0.1)
+        truth = sheet(40, 0.01)[0]
+        self.assertLess(error(self.fit(mesh=mesh, scan=near, borders=True), truth), 0.6 * error(self.fit(mesh=mesh, scan=near), truth))
+        self.assertEqual(self.report["fit"]["slid"], 0)
+        found = self.fit(mesh=mesh, scan=far)
+        self.assertGreater(self.report["fit"]["slid"], 0)
+        self.assertTrue((self.fit(mesh=mesh, scan=far, borders=True) == found).all())
+        cropped = without(far, lambda p: p[:, 0] > 0.8)
+        self.fit(mesh=mesh, scan=cropped)
+        self.assertEqual(self.report["fit"]["slid"], 0)
 
     def test_pieces_that_the_scan_does_not_show_follow_the_surface(self):
         """An eye behind the surface and a lash on it, and a ball beside it, which the scan shows."""
@@ -297,14 +305,18 @@ class Fits(unittest.TestCase):
         self.assertEqual(self.report["fit"]["hidden_pieces"], 3)
         self.assertGreater(np.linalg.norm(found - truth, axis=1)[first + count:].mean(), 0.1)  # the scan does not draw it
 
-    def test_numbers_soups_and_nan_points_without_faces_change_nothing(self):
+    def test_coordinates_numbers_soups_and_nan_points_without_faces_change_nothing(self):
         expected = self.fit()
+
+        def moved(p):
+            return 3 * p @ rotation((1, 2, 0.5), 130).T + (7, -4, 2)
 
         def renumbered(mesh):
             return mesh[0][::-1], np.roll((len(mesh[0]) - 1 - mesh[1])[::-1], 1, axis=1)
 
         def with_nan_first(mesh):
             return np.vstack([np.full((1, 3), np.nan), mesh[0]]), mesh[1] + 1
+        self.assertLess(np.abs(self.fit(mesh=(moved(HEAD[0]), HEAD[1]), scan=(moved(SCAN[0]), SCAN[1])) - moved(expected)).max(), 1e-7)
         self.assertLess(np.abs(self.fit(mesh=renumbered(HEAD), scan=renumbered(SCAN))[::-1] - expected).max(), 1e-7)
         self.assertTrue((self.fit(scan=with_nan_first(SCAN)) == expected).all())
         self.assertTrue((self.fit(mesh=with_nan_first(HEAD))[1:] == expected).all())

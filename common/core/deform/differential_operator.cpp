@@ -279,7 +279,10 @@ EdgeWeights edge_weights(LaplacianKind kind, const Region& region, const Triangl
 
 DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,
                                            bool symmetric, const std::vector<Matrix3>* metric) {
-  const EdgeWeights weights = edge_weights(kind, region, mesh, symmetric, metric);
+  return differential_operator(kind, edge_weights(kind, region, mesh, symmetric, metric));
+}
+
+DifferentialOperator differential_operator(LaplacianKind kind, const EdgeWeights& weights) {
   const Eigen::VectorXd sums = sums_of(weights);
   DifferentialOperator result;
   result.divisor = kind == LaplacianKind::Surface ? divisor_of(weights.areas, sums) : sums;

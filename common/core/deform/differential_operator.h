@@ -64,6 +64,9 @@ struct DifferentialOperator {
 DifferentialOperator differential_operator(LaplacianKind kind, const Region& region, const TriangleMesh& mesh,
                                            bool symmetric = false, const std::vector<Matrix3>* metric = nullptr);
 
+/// The same, of known weights.
+DifferentialOperator differential_operator(LaplacianKind kind, const EdgeWeights& weights);
+
 /// Returns M^k.
 SparseMatrix power(const SparseMatrix& matrix, int order);
 

@@ -109,12 +109,15 @@ const std::vector<Figure>& report_table() {
       {"fit/to_scan/median", distance<&F::to_scan, &D::median>, ", median %.3g"},
       {"fit/to_scan/most", distance<&F::to_scan, &D::most>, ", 95 %% %.3g"},
       {"fit/to_scan/largest", distance<&F::to_scan, &D::largest>, ", largest %.3g"},
+      {"fit/to_scan/beyond", distance<&F::to_scan, &D::beyond>, nullptr},
       {"fit/from_scan/matched", distance<&F::from_scan, &D::matched>, "\nScan to template: %.3g %% matched", kAlways,
        100},
       {"fit/from_scan/rms", distance<&F::from_scan, &D::rms>, ", distance RMS %.3g"},
       {"fit/from_scan/median", distance<&F::from_scan, &D::median>, ", median %.3g"},
       {"fit/from_scan/most", distance<&F::from_scan, &D::most>, ", 95 %% %.3g"},
       {"fit/from_scan/largest", distance<&F::from_scan, &D::largest>, ", largest %.3g"},
+      {"fit/from_scan/beyond", distance<&F::from_scan, &D::beyond>, nullptr},
+      {"fit/slid", fit<&F::slid>, ", before the borders were drawn to each other: slid by %.3g", kNotZero},
       {"method", [](const R& r) -> Value { return std::string(name(r.settings.method)); }, "\nMethod: %s", kNotInFits},
       {"laplacian", [](const R& r) -> Value { return std::string(name(r.settings.laplacian)); }, "; operator: %s",
        kNotInFits},
@@ -232,7 +235,8 @@ std::string advice_on_hold(const R& r) {
 
 std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& names) {
   constexpr double kOtherUnit = 5, kOdd = 3.3, kOddDistance = 0.04, kContradict = 0.6, kMirrored = 1.3, kHalf = 0.5,
-                   kLittle = 0.4, kUncovered = 0.01, kStretch = 1.8, kMany = 0.15, kSame = 1.05, kBetter = 0.8;
+                   kLittle = 0.4, kUncovered = 0.01, kStretch = 1.8, kFarSlid = 0.03, kMany = 0.15, kSame = 1.05,
+                   kBetter = 0.8;
   const double contradiction = fit.by_landmarks.value_or(0), second = fit.orientations.second.value_or(0);
   const Orientations& compared = fit.orientations;
   const bool backwards = fit.from_scan.matched < kHalf;
@@ -250,7 +254,7 @@ std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& nam
                     "of the targets to their mean (RMS): check that each has the target that belongs to it, and that "
                     "left and right are not exchanged.",
                     contradiction)},
-       {compared.chosen > kMirrored * compared.mirrored,
+       {compared.chosen > kMirrored * compared.mirrored && !(second > 0 && second <= compared.mirrored),
         format_text("The template's mirror image fits better (RMS %.3g in place of %.3g): check that the scan is not "
                     "mirrored.",
                     compared.mirrored, compared.chosen)},
@@ -270,6 +274,11 @@ std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& nam
        {fit.largest_stretch > kStretch,
         format_text("Triangles became %.3g times as long as most: check the alignment, or give landmarks.",
                     fit.largest_stretch)},
+       {fit.overlap() > kSlid * fit.size || fit.slid > kFarSlid * fit.size,
+        format_text(
+            "The template may have slid along the scan, since their borders lay beyond each other by %.3g (RMS): "
+            "give landmarks%s.",
+            std::max(fit.overlap(), fit.slid), fit.slid > 0 ? "" : ", or \"borders\" if both end at the same lines")},
        {fit.opposed > kMany,
         format_text("The normals of %.3g %% of the scan point to the other side than the rest: orient its faces "
                     "coherently, for example with MeshLab's filter \"Re-Orient all faces coherently\".",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@ namespace lapedit {
 struct FitDistances {
   double matched = 0;                                 ///< fraction that found a partner
   double rms = 0, median = 0, most = 0, largest = 0;  ///< `most`: the 95 % quantile
+  double beyond = 0;                                  ///< RMS distance of the border beyond that of the other surface
 };
 
 /// RMS distances of what overlaps after the alignment, of some samples: for comparison with each other.
@@ -45,13 +47,20 @@ struct FitReport {
   std::optional<double> by_landmarks;
   double uncovered = 0;        ///< RMS distance of the whole scan from the template
   double largest_stretch = 1;  ///< of its triangles, but for half a percent of them, over the median
+  double slid = 0;             ///< overlap() before the borders were drawn to each other; 0: they were not
   OddLandmark odd;
   int hidden = 0;                 ///< number of pieces that the scan does not show, which follow the surface around
   bool reversed_normals = false;  ///< the scan's normals point inwards
   double opposed = 0;             ///< fraction of the template where the scan's normals point the other way
   double size = 1;                ///< of the scan
   double size_ratio = 1;          ///< size of the scan over that of the template
+
+  /// Returns how far both borders lie beyond each other, as if one surface had slid along the other.
+  double overlap() const { return std::min(to_scan.beyond, from_scan.beyond); }
 };
+
+/// Overlap of borders from which on a template counts as slid, over the scan's size.
+constexpr double kSlid = 0.012;
 
 /// A component of the region that turned inside out, or lost more than half of the volume that the handles' motions
 /// leave it.

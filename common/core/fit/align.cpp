@@ -19,13 +19,6 @@ Matrix3 moments(const Points& points) {
   return centred.transpose().lazyProduct(centred) / static_cast<double>(points.rows());
 }
 
-/// Returns the principal axes as columns, the longest first; right-handed.
-Matrix3 principal_axes(const Points& points) {
-  Matrix3 axes = Eigen::JacobiSVD<Matrix3>(moments(points), Eigen::ComputeFullU).matrixU();
-  axes.col(2) *= axes.determinant();
-  return axes;
-}
-
 /// Aligns surfaces with the trimmed iterative closest point method (D. Chetverikov et al. 2002). Pairs are in both
 /// directions, so that a template with a free scale does not shrink into the scan. Each direction chooses which
 /// fraction of its pairs overlaps.
@@ -36,8 +29,8 @@ class TrimmedIcp {
         scan_(scan.surface()),
         scaled_(scaled),
         pool_(pool),
-        ours_(from.samples(samples)),
-        theirs_(scan_.samples(samples)),
+        ours_(from.samples(samples, scan.axes())),
+        theirs_(scan_.samples(samples, scan.axes())),
         hints_(static_cast<std::size_t>(ours_.points.rows() + theirs_.points.rows()), -1),
         distances_(hints_.size()) {}
 
@@ -134,17 +127,16 @@ bool spans_a_plane(const Points& points) {
   return svd.singularValues()[1] > kLine * svd.singularValues()[0];
 }
 
-/// Returns the starts of the search: `in_place` if the sizes are similar, then maps that align the centroids: one
-/// without a rotation, and four that rotate the template's principal axes to those of the scan.
-std::vector<SimilarityMap> starts_of(const Points& ours, const Points& theirs, const SimilarityMap& in_place,
+/// Returns the starts of the search: `in_place` if the sizes are similar, then maps that keep the centroids aligned:
+/// one without a rotation, and four that rotate the template's principal axes to those of the scan.
+std::vector<SimilarityMap> starts_of(const SurfaceIndex& from, const Scan& scan, const SimilarityMap& in_place,
                                      double scale) {
-  const Vector3 from = ours.colwise().mean().transpose(), to = theirs.colwise().mean().transpose();
-  const Matrix3 mine = principal_axes(ours), other = principal_axes(theirs);
-  std::vector<Matrix3> rotations = {Matrix3::Identity(), other * mine.transpose()};
+  const Matrix3 mine = principal_axes(from.points(), from.faces());
+  std::vector<Matrix3> rotations = {Matrix3::Identity(), scan.axes() * mine.transpose()};
   for (int axis = 0; axis < 3; ++axis) {
     Vector3 signs = -Vector3::Ones();
     signs[axis] = 1;
-    rotations.emplace_back(other * signs.asDiagonal() * mine.transpose());
+    rotations.emplace_back(scan.axes() * signs.asDiagonal() * mine.transpose());
   }
   constexpr double kSimilar = 2;
   const double ratio = in_place.scale / scale;
@@ -153,7 +145,7 @@ std::vector<SimilarityMap> starts_of(const Points& ours, const Points& theirs, c
     starts.push_back(in_place);
   }
   for (const Matrix3& rotation : rotations) {
-    starts.push_back({rotation, scale, to - scale * (rotation * from)});
+    starts.push_back({rotation, scale, Vector3::Zero()});
   }
   return starts;
 }
@@ -191,9 +183,8 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
     }
     return best;
   }
-  const Points theirs = scan.surface().samples(kMany).points;
   const double scale = scaled ? 1 : in_place.scale;
-  std::vector<SimilarityMap> maps = starts_of(from.samples(kMany).points, theirs, in_place, scale);
+  std::vector<SimilarityMap> maps = starts_of(from, scan, in_place, scale);
   std::vector<double> residuals(maps.size());
   TrimmedIcp coarse(from, scan, kFew, scaled, pool);
   constexpr std::size_t kWithoutPlace = 5;
@@ -241,14 +232,13 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
       compared.second = std::min(compared.second.value_or(residuals[k]), residuals[k]);
     }
   }
-  Points image = from.points();
-  image.col(0) *= -1;
+  Points image = -from.points();
   Faces faces = from.faces();
   faces.col(1).swap(faces.col(2));
   const SurfaceIndex mirrored(std::move(image), std::move(faces));
   TrimmedIcp other(mirrored, scan, kFew, scaled, pool);
   compared.mirrored = std::numeric_limits<double>::infinity();
-  for (SimilarityMap& map : starts_of(mirrored.samples(kMany).points, theirs, in_place, scale)) {
+  for (SimilarityMap& map : starts_of(mirrored, scan, in_place, scale)) {
     compared.mirrored = std::min(compared.mirrored, other.run(map, kFirstRounds + kRounds));
   }
   return best;

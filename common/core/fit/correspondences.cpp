@@ -27,9 +27,9 @@ bool is_in_part(std::uint32_t item, double part) {
 
 /// Returns samples of a scan, about as many as a template has vertices. Of a cloud four times as many, since some of
 /// its points may lie on an inner side.
-SurfaceSamples samples_of(const SurfaceIndex& scan, int vertices) {
+SurfaceSamples samples_of(const Scan& scan, int vertices) {
   constexpr int kOfACloud = 4;
-  return scan.samples(scan.is_cloud() ? kOfACloud * vertices : vertices);
+  return scan.surface().samples(scan.surface().is_cloud() ? kOfACloud * vertices : vertices, scan.axes());
 }
 
 /// Returns the edges at the end of a surface as triangles without area.
@@ -52,10 +52,10 @@ Correspondences::Correspondences(const Scan& scan, const SurfaceIndex& surface, 
       free_(std::move(free)),
       given_(distance),
       with_(constants),
-      samples_(samples_of(scan.surface(), static_cast<int>(surface.points().rows()))) {
+      samples_(samples_of(scan, static_cast<int>(surface.points().rows()))) {
   std::uint32_t rank = 0;
   rank_.resize(free_.size());
-  for (const int v : order_by_position(surface.points())) {
+  for (const int v : order_by_position(surface.points() * scan.axes())) {
     rank_[static_cast<std::size_t>(v)] = rank++;
   }
   if (const Faces edges = borders ? border_edges(scan.surface().faces()) : Faces(); edges.rows() > 0) {

@@ -43,6 +43,20 @@ void validate(const ScanFitSettings& settings) {
   }
 }
 
+/// Returns the RMS distance of the border of a surface beyond that of another one.
+double beyond(const SurfaceIndex& of, const SurfaceIndex& on) {
+  double sum = 0;
+  int count = 0;
+  for (int v = 0; v < of.points().rows(); ++v) {
+    if (of.is_on_border(v)) {
+      const NearestPoint at = on.nearest(of.points().row(v).transpose());
+      sum += on.ends_at(at) ? at.squared : 0;
+      ++count;
+    }
+  }
+  return std::sqrt(sum / std::max(1, count));
+}
+
 class Fit {
  public:
   explicit Fit(const FitProblem& problem);
@@ -368,6 +382,8 @@ void Fit::finish(double length) {
   pairs_->update(length, 1, *pool_);
   result_.report.to_scan = measured(false);
   result_.report.from_scan = measured(true);
+  result_.report.to_scan.beyond = of_.scan.size() * beyond(*surface_, of_.scan.surface());
+  result_.report.from_scan.beyond = of_.scan.size() * beyond(of_.scan.surface(), *surface_);
   result_.report.opposed = pairs_->turn_normals(*pool_);
   result_.report.uncovered = of_.scan.size() * pairs_->uncovered();
   result_.report.largest_stretch = largest_stretch();
@@ -406,7 +422,25 @@ FitResult Fit::run() {
 FitResult fit_template(const FitProblem& problem, const Progress& progress) {
   validate(problem.settings);
   const ProgressScope scope(progress);
-  return Fit(problem).run();
+  FitResult result = Fit(problem).run();
+  const FitReport& report = result.report;
+  // Where each border lies beyond the other one by similar distances, the template slid. Of a cropped scan it is one.
+  constexpr double kSimilar = 0.4, kClearly = 0.5, kMostStretch = 1.5;
+  const double overlap = report.overlap(), larger = std::max(report.to_scan.beyond, report.from_scan.beyond);
+  if (problem.settings.borders || problem.region.count(VertexClass::Anchor) > 0 || overlap < kSlid * report.size ||
+      overlap < kSimilar * larger) {
+    return result;
+  }
+  FitProblem again = problem;
+  again.settings.borders = true;
+  FitResult other = Fit(again).run();
+  const FitReport& drawn = other.report;
+  if (std::max(drawn.to_scan.beyond, drawn.from_scan.beyond) > kClearly * overlap ||
+      drawn.largest_stretch > kMostStretch) {
+    return result;
+  }
+  other.report.slid = overlap;
+  return other;
 }
 
 }  // namespace lapedit

@@ -25,7 +25,9 @@ struct ScanFitSettings {
   double detail = 0.03;  ///< length of the last stage over the template's size, 0.003 to 0.4
   /// Of the landmarks, model units: their targets are met about as exactly; none: 0.5 % of the scan's size.
   std::optional<double> accuracy = {};
-  bool borders = false;         ///< the template's border is drawn to that of the scan: both end at the same lines
+  /// Draws the template's border to that of the scan: both end at the same lines. Without it a fit does so only if the
+  /// template slid along the scan, and both then cover each other.
+  bool borders = false;
   double distance = 0;          ///< up to which pairs count fully, model units; 0: from the distances
   FitConstants constants = {};  ///< internal
 };

@@ -82,7 +82,7 @@ void HiddenPieces::find_around(const Points& rest, Piece& piece) const {
   constexpr double kFall = 0.5, kNegligible = 1e-3;
   constexpr int kEnough = 30;
   const Points own = gather(rest, piece.vertices);
-  const Eigen::RowVector3d centre = 0.5 * (own.colwise().minCoeff() + own.colwise().maxCoeff());
+  const Eigen::RowVector3d centre = own.colwise().mean();
   const double radius = std::sqrt((own.rowwise() - centre).rowwise().squaredNorm().maxCoeff());
   std::vector<std::pair<double, int>> near;
   for (int i = 0; i < rest.rows(); ++i) {

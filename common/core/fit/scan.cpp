@@ -68,6 +68,7 @@ Scan::Scan(const ScanData& data) : name_(data.name) {
                                           size_, origin_.norm(), kSmallest, kLargest));
   }
   Points points = (mesh.vertices.rowwise() - origin_.transpose()) / size_;
+  axes_ = principal_axes(points, faces);
   // sqrt(area / n): at size 1 a sphere has area 6, a disc 3.
   spacing_ = cloud ? 2 / std::sqrt(static_cast<double>(faces.rows())) : 0;
   surface_ = std::make_unique<SurfaceIndex>(std::move(points), std::move(faces),

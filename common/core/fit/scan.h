@@ -29,12 +29,14 @@ class Scan {
 
   const SurfaceIndex& surface() const { return *surface_; }
   double spacing() const { return spacing_; }        ///< of a cloud about the distance of neighbours; 0 of a mesh
+  const Matrix3& axes() const { return axes_; }      ///< principal_axes()
   const Vector3& origin() const { return origin_; }  ///< model units
   double size() const { return size_; }              ///< model units, see size_of()
   const std::string& name() const { return name_; }
 
  private:
   std::unique_ptr<const SurfaceIndex> surface_;
+  Matrix3 axes_;
   Vector3 origin_;
   double size_ = 1, spacing_ = 0;
   std::string name_;

@@ -27,8 +27,9 @@ TemplateEnergy::TemplateEnergy(const TriangleMesh& mesh, const Region& region, c
     : region_(region), rest_(rest), size_(size), pool_(std::move(pool)) {
   const int n = region.size();
   const CompressedRows& neighbours = region.neighbours;
-  const DifferentialOperator whole = differential_operator(LaplacianKind::MeanValue, region, mesh, true);
-  weights_ = edge_weights(LaplacianKind::MeanValue, region, mesh, true).values;
+  EdgeWeights weights = edge_weights(LaplacianKind::MeanValue, region, mesh, true);
+  const DifferentialOperator whole = differential_operator(LaplacianKind::MeanValue, weights);
+  weights_ = std::move(weights.values);
   mass_.setZero(n);
   const Eigen::VectorXd areas = face_areas(rest, region.faces);
   for (Eigen::Index f = 0; f < areas.size(); ++f) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/mesh/surface_index.h"
 
+#include <Eigen/SVD>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -23,15 +24,13 @@ Points centres_of(const Points& points, const Faces& faces) {
   return centres;
 }
 
-/// Returns the first corner of a face by position, so that what depends on the order of corners is the same however
+/// Returns the first corner of a face along an axis, so that what depends on the order of corners is the same however
 /// they are numbered.
-int first_corner(const Points& points, const Faces& faces, int face) {
-  const auto position = [&](int k) {
-    const auto row = points.row(faces(face, k));
-    return std::array{row[0], row[1], row[2]};
-  };
-  int first = position(1) < position(0) ? 1 : 0;
-  first = position(2) < position(first) ? 2 : first;
+int first_corner(const Points& points, const Faces& faces, int face, const Vector3& axis) {
+  const Vector3 along(points.row(faces(face, 0)).dot(axis), points.row(faces(face, 1)).dot(axis),
+                      points.row(faces(face, 2)).dot(axis));
+  int first = 0;
+  along.minCoeff(&first);
   return first;
 }
 
@@ -311,8 +310,34 @@ bool SurfaceIndex::ends_at(const NearestPoint& at) const {
   return !inside && all;
 }
 
-SurfaceSamples SurfaceIndex::samples(int count) const {
-  const std::vector<int> order = order_by_position(centres_of(points_, faces_));
+Matrix3 principal_axes(const Points& points, const Faces& faces) {
+  const SurfaceSize whole = size_of(points, faces);
+  const Points centred = (centres_of(points, faces).rowwise() - whole.centroid.transpose()) / whole.size;
+  const Eigen::VectorXd areas = face_areas(points, faces);
+  const double sum = areas.sum();
+  // Moments are rounded, so that those of symmetric surfaces do not depend on the order of summation.
+  constexpr double kUnit = 0x1p-36;
+  Matrix3 moments = Matrix3::Zero();
+  for (Eigen::Index f = 0; f < areas.size(); ++f) {
+    moments += areas[f] / sum * (centred.row(f).transpose() * centred.row(f));
+  }
+  moments = (moments / kUnit).array().round();
+  Matrix3 axes = Eigen::JacobiSVD<Matrix3>(moments, Eigen::ComputeFullU).matrixU();
+  for (int axis = 0; axis < 2; ++axis) {
+    double skewness = 0;
+    for (Eigen::Index f = 0; f < areas.size(); ++f) {
+      const double along = centred.row(f).dot(axes.col(axis));
+      skewness += areas[f] / sum * along * along * along;
+    }
+    axes.col(axis) *= skewness < -kUnit ? -1 : 1;
+  }
+  axes.col(2) *= axes.determinant();
+  return axes;
+}
+
+SurfaceSamples SurfaceIndex::samples(int count, const Matrix3& axes) const {
+  const std::vector<int> order = order_by_position(centres_of(points_, faces_) * axes);
+  const Vector3 oblique = axes * Vector3(0.55, 0.35, 0.76);  // along no edge of a regular mesh
   const Eigen::VectorXd areas = face_areas(points_, faces_);
   const bool cloud = is_cloud();
   count = cloud ? std::min(count, static_cast<int>(faces_.rows())) : count;
@@ -331,7 +356,7 @@ SurfaceSamples SurfaceIndex::samples(int count) const {
     v = std::fmod(v + 0.56984029099805327, 1);
     if (!cloud) {
       const Vector3 weights = u + v > 1 ? Vector3(u + v - 1, 1 - u, 1 - v) : Vector3(1 - u - v, u, v);
-      const int first = first_corner(points_, faces_, at.face);
+      const int first = first_corner(points_, faces_, at.face, oblique);
       for (int c = 0; c < 3; ++c) {
         at.weights[(first + c) % 3] = weights[c];
       }
