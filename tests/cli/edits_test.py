@@ -448,8 +448,9 @@ class Mirror(Edits):
             targets = {"vertices": disc.tolist(), "targets": (mesh[0][disc] + 0.1 * mesh[0][disc][:, [2, 0, 1]]).tolist()}
             across = handle(near((points, faces), (0.05, 0, 1), 0.25), translation=(0.1, 0.05, 0.25))
             for group in (one, targets, across):
-                for settings in ({}, {"method": "paper"}):
-                    whole = step(group, region={"radius": 0.5}, mirror={"point": at.tolist(), "normal": (3 * normal).tolist()}, **settings)
+                for region, settings in (({"radius": 0.5}, {}), ({"radius": 0.5}, {"method": "paper"}),
+                                         ({"vertices": near((points, faces), (0.6, 0, 0.8), 0.95).tolist()}, {})):
+                    whole = step(group, region=region, mirror={"point": at.tolist(), "normal": (3 * normal).tolist()}, **settings)
                     after = edited(mesh, whole)
                     self.assertLess(self.asymmetry(after, at, normal), 1e-9)
                     self.assertGreater(np.abs(after - mesh[0]).max(), 0.04)
@@ -483,9 +484,9 @@ class Welds(Edits):
             radius = 0.45 * np.linalg.norm(np.ptp(sound[0], axis=0))
             results = []
             for each in (mesh, sound):
-                for region in ({"radius": radius}, {"vertices": near(each, place, radius).tolist()}):
+                for region in ({"radius": radius}, {"vertices": near(each, place, radius).tolist()}, {"within": {"point": place.tolist(), "radius": radius}}):
                     results.append(edited(each, step(handle(nearest(each, place), translation=radius * np.array([0.1, 0.05, 0.3])), region=region)))
-            for found, expected in zip(results[:2], results[2:]):
+            for found, expected in zip(results[:3], results[3:]):
                 self.assert_error(found, expected[of], 1e-9 * radius)
                 first = np.unique(of, return_index=True)[1]
                 self.assertTrue((found == found[first[of]]).all(), "vertices at one position part")
@@ -708,6 +709,31 @@ class Shape(Edits):
             for contact in (False, True):
                 pose = edited(mesh, step(grip, region={"radius": 1}, **({"contact": True} if contact else {})))
                 self.assertEqual(crossings(pose, mesh[1]) == 0, contact, vertex)
+
+    def test_rotation_left_is_that_of_the_last_pass(self):
+        mesh = grid(60, 60)
+        mesh = mesh[0] + 2 * np.sin(mesh[0][:, :1] * 0.8) * np.cos(mesh[0][:, 1:2] * 0.8) * Z, mesh[1]
+
+        def report(**settings):
+            return run(mesh, step(handle([3030, 3031], translation=(0, 0, 10)), region={"radius": 25}, **settings))[1]
+        twice, paper = report(iterations=2), report(method="paper")
+        self.assertGreater(twice["rotation_left"], 0.1)
+        self.assertLess(report(iterations=100)["rotation_left"], 0.1 * twice["rotation_left"])
+        self.assertAlmostEqual(paper["rotation_left"], paper["rotation_max"], places=9)
+        self.assertTrue(1 < paper["rotation_max"] < 180, "in degrees")
+        self.assertEqual(report(method="linear")["rotation_left"], 0)
+
+    def test_sizes_outside_the_range_of_fourth_powers_are_refused(self):
+        points, faces = grid(20, 20)
+
+        def run_at(scale, way=3.0):
+            return run((scale * points, faces), step(handle(210, translation=(0, 0, way * scale)), region={"radius": 8 * scale}))
+        (expected,), _ = run_at(1)
+        for scale in (2.0**-180, 2.0**180):
+            self.assert_error(run_at(scale)[0][0] / scale, expected, 1e-9)
+        for scale in (1e-300, 1e-77, 1e-70, 1e70, 1e77):
+            self.assertIn("use another unit of length", " ".join(run_at(scale)[1].split()))
+        self.assertIn("Handle group 0 is to move by 1e+77", run_at(1, 1e77)[1])
 
     def test_kernels_of_older_processors_give_the_same_coordinates(self):
         mesh = tube(16, 60, 12)

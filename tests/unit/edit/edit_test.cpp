@@ -105,30 +105,6 @@ std::vector<EditStep> several_steps(LaplacianKind laplacian) {
   return steps;
 }
 
-TEST(Edit, SeveralFractionsHaveTheBitsThatEachHasAlone) {
-  const TriangleMesh mesh = test_mesh();
-  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-    for (const EditMethod method : {EditMethod::Linear, EditMethod::Paper, EditMethod::Default}) {
-      Edit edit = edit_of(several_steps(laplacian));
-      for (EditStep& step : edit.steps) {
-        step.settings.method = method;
-      }
-      for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
-        const std::vector<EditResult> together =
-            apply_edit(mesh, support::adjacency_of(mesh), edit, {}, kFractions, scalar);
-        ASSERT_EQ(together.size(), kFractions.size());
-        for (std::size_t p = 0; p < kFractions.size(); ++p) {
-          const EditResult alone = apply_edit(mesh, edit, kFractions[p], scalar);
-          EXPECT_EQ(together[p].vertices, alone.vertices);
-          EXPECT_EQ(differing(support::edited(mesh, together[p]), support::edited(mesh, alone)), 0) << kFractions[p];
-          EXPECT_EQ(together[p].reports.size(), 3U);
-        }
-        EXPECT_GT(differing(together[0].positions, together[3].positions), 100);
-      }
-    }
-  }
-}
-
 /// Fails if results are collected, which take the memory of a mesh each.
 TEST(Edit, PosesAreGivenOneByOne) {
   const TriangleMesh mesh = test_mesh();
@@ -147,25 +123,6 @@ TEST(Edit, PosesAreGivenOneByOne) {
   };
   apply_edit(mesh, support::adjacency_of(mesh), edit, {}, kFractions, each, StoredScalar::Double, progress);
   EXPECT_EQ(poses, kFractions.size());
-}
-
-TEST(Edit, SizesOutsideTheRangeOfFourthPowersAreRefused) {
-  const TriangleMesh mesh = test_mesh();
-  const Points expected = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3})})).positions;
-  const auto scaled = [&](double scale) {
-    EditStep step = pull({kMiddle}, {0, 0, 3 * scale});
-    step.region.radius *= scale;
-    return apply_edit({scale * mesh.vertices, mesh.faces}, edit_of({step})).positions;
-  };
-  for (const double scale : {0x1p-180, 0x1p180}) {
-    EXPECT_LT((scaled(scale) / scale - expected).cwiseAbs().maxCoeff(), 1e-9) << scale;
-  }
-  for (const double scale : {1e-300, 1e-77, 1e-70, 1e70, 1e77}) {
-    const std::string sentence = support::expect_refusal(ErrorCause::BadParameter, [&] { scaled(scale); });
-    support::expect_contains(sentence, "use another unit of length");
-  }
-  support::expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of({pull({kMiddle}, {0, 0, 1e77})})),
-                           "Handle group 0 is to move by 1e+77");
 }
 
 TEST(Edit, FractionOutsideZeroToOneIsRefused) {

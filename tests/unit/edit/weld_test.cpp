@@ -41,19 +41,5 @@ TEST(Weld, NamesTheFirstOfEachPlace) {
   EXPECT_TRUE(Weld(shapes::icosphere(2).vertices).empty());
 }
 
-/// A disc of a query reaches across a seam.
-TEST(Weld, QueriesReachAcross) {
-  const Torn torn = with_islands(shapes::grid(21, 21), 10);
-  Edit edit;
-  EditStep& step = edit.steps.emplace_back();
-  step.region.radius = 5;
-  step.handles.resize(1);
-  step.handles[0].query.within = VertexQuery::Disc{Vector3(10, 10, 0), 2};
-  const auto found = [&edit](const TriangleMesh& mesh) {
-    return located(mesh, support::adjacency_of(mesh), edit).steps[0].handles[0].vertices.size();
-  };
-  EXPECT_EQ(found(torn.mesh), found(torn.sound));
-}
-
 }  // namespace
 }  // namespace lapedit::weld_test
