@@ -23,16 +23,16 @@ from surfaces import X, Y, Z, ball, between, degrees_between, fitted, grid, near
 METHODS = ("default", "paper", "linear")
 
 
-def run(mesh, *steps, fractions="1", scan=None, made_for=None):
-    """@param scan  is scan.ply. @param made_for  positions by which the edit is applied. @return positions for each fraction, and the last
-    report or the refusal"""
+def run(mesh, *steps, fractions="1", scan=None, made_for=None, counts=None):
+    """@param scan  is scan.ply. @param made_for  positions by which the edit is applied. @param counts  vertices, faces or
+    connectivity that the edit names. @return positions for each fraction, and the last report or the refusal"""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         write(folder / "mesh.ply", *mesh)
         if scan:
             write(folder / "scan.ply", *scan)
-        by_position = {} if made_for is None else {"mesh": {"positions": {"vertices": f"0-{len(made_for) - 1}", "points": made_for.tolist()}}}
-        (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, **by_position, "steps": steps}), encoding="utf-8")
+        by_position = {} if made_for is None else {"positions": {"vertices": f"0-{len(made_for) - 1}", "points": made_for.tolist()}}
+        (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "mesh": {**(counts or {}), **by_position}, "steps": steps}), encoding="utf-8")
         done = subprocess.run([COMMAND, "-q", "--fractions", fractions, "--report", "report.json", "mesh.ply", "out.ply", "edit.json"],
                               cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, "MALLOC_PERTURB_": "85"})
         if done.returncode:
@@ -303,6 +303,43 @@ class Invariance(Edits):
         fit = step(fit={"to": "scan.ply", "exclude": {"vertices": wall}})
         scan = mesh[0] + np.sin(mesh[0][:, [1]] / 4) * Z, mesh[1]
         self.assert_error(edited((points, to[mesh[1]]), fit, made_for=mesh[0], scan=scan)[to], edited(mesh, fit, scan=scan), 1e-6, "fit")
+
+    def test_points_are_on_the_mesh_before_the_first_step(self):
+        mesh = ball(3)
+        at, way = mesh[0][40].tolist(), (0.8 * mesh[0][40]).tolist()
+        by_point, by_number = (step(group, region={"radius": 1}) for group in ({"points": [at], "translation": way}, handle(40, translation=way)))
+        self.assertTrue((edited(mesh, by_point, by_point) == edited(mesh, by_number, by_number)).all())
+
+    def test_by_position_another_mesh_gets_nearly_the_same_surface(self):
+        """Four times coarser and finer: a disc within a radius, two groups in a set with weights, and targets."""
+        mesh, cap = ball(4), near(ball(4), (0, 0, 1), 1.1)
+        soft = near(mesh, (-0.5, 0, 0.9), 0.2)
+        marks = [nearest(mesh, p) for p in ((1, 0, 0), (0.9, 0.4, 0))]
+        steps = (step(handle(near(mesh, (0, 0, 1), 0.25), translation=(0, 0.1, 0.4)), region={"radius": 1.2}),
+                 step(handle(nearest(mesh, (0.5, 0, 0.9)), translation=(0.1, 0, 0.1)), {**handle(soft), "weights": np.where(soft % 2, 0.5, 1).tolist()},
+                      region={"vertices": cap.tolist()}),
+                 step(handle(marks, targets=((1.3, 0, 0), (1.1, 0.5, 0))), region={"radius": 0.8}))
+        pose = edited(mesh, *steps)
+        self.assertTrue((edited(mesh, *steps, made_for=mesh[0]) == pose).all())
+        ways = pose - mesh[0]
+        largest = np.linalg.norm(ways, axis=1).max()
+        self.assertGreater(largest, 0.4)
+        for levels, bound in ((3, 0.05), (5, 0.03)):
+            points, faces = ball(levels)
+            other = points @ rotation((1, 2, 3), 33).T, faces
+            expected = ways[[nearest(mesh, p) for p in other[0]]]
+            off = edited(other, *steps, made_for=mesh[0]) - other[0] - expected
+            self.assertLess(np.sqrt((off**2).sum(1).mean()), bound * largest)
+            self.assertIn("take a mesh of the same object", " ".join(run(other, *steps, made_for=mesh[0] + (0.5, 0, 0))[1].split()))
+
+    def test_an_edit_of_another_mesh_is_refused_with_both_numbers(self):
+        mesh = grid(30, 20)
+        one = step(handle(310, translation=Z), region={"radius": 8})
+        for counts, found in (({"vertices": 11703}, "11703 .*600"), ({"faces": 23402}, "23402 .*1102"),
+                              ({"connectivity": "0123456789abcdef"}, "0123456789abcdef.*[0-9a-f]{16}")):
+            self.assertRegex(" ".join(run(mesh, one, counts=counts)[1].split()), found)
+        self.assertIn("to apply it by position, remove vertices, faces and connectivity",
+                      " ".join(run(mesh, one, counts={"faces": 23402}, made_for=mesh[0])[1].split()))
 
     def test_far_from_the_origin_the_digits_that_are_left_are_right(self):
         for k, ((points, faces), radius, normal_radius, groups, _) in enumerate(self.cases()):
@@ -940,12 +977,15 @@ class SoftHandles(Edits):
             away = np.linalg.norm(mesh[0], axis=1)
             disc = np.flatnonzero(away <= 0.25)
             lagging = {}
+            pull = handle(disc, translation=(0, 0, 0.3))
+            plain, ones = (edited(mesh, step(group, region={"radius": 0.8})) for group in (pull, {**pull, "weights": [1] * len(disc)}))
+            self.assertTrue((plain == ones).all())
             for soft in (False, True):
                 # An exponential of the distance: 1 in the middle, and 0.3 over the number of vertices at the boundary.
                 least = 0.3 / len(disc)
                 s = away[disc] / 0.25
                 weights = {"weights": (least ** (s * s * (3 - 2 * s))).tolist()} if soft else {}
-                after = edited(mesh, step({**handle(disc, translation=(0, 0, 0.3)), **weights}, region={"radius": 0.8}))
+                after = edited(mesh, step({**pull, **weights}, region={"radius": 0.8}))
                 self.assertAlmostEqual(after[nearest(mesh, (0, 0, 0)), 2], 0.3, delta=1e-3)
                 lagging[soft] = 1 - after[np.abs(away - 0.25) < 0.04, 2].mean() / 0.3
             self.assertAlmostEqual(lagging[True], 0.1, delta=0.07)

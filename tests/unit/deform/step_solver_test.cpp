@@ -30,8 +30,6 @@ TriangleMesh wavy_letters(int nx, int ny) {
   return mesh;
 }
 
-// --- against dense least squares ---
-
 /// Small problems with everything in them: an irregular mesh that goes on outside the region, two handle groups.
 struct SmallProblem {
   TriangleMesh mesh = wavy_letters(17, 10);
@@ -161,8 +159,6 @@ TEST(DenseLeastSquares, AgreesWhereTheNormalEquationsAreIllConditioned) {
     EXPECT_LT(support::error(solver.pose({map}), expected), bound) << "order " << order;
   }
 }
-
-// --- what bad input gets ---
 
 class SolverErrors : public ::testing::Test {
  protected:

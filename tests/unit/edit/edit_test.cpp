@@ -15,8 +15,6 @@
 namespace lapedit::edit_test {
 namespace {
 
-using support::expect_contains;
-
 constexpr int kRows = 30, kColumns = 20;
 constexpr int kMiddle = 15 * kColumns + 10;
 
@@ -47,12 +45,6 @@ Edit edit_of(std::vector<EditStep> steps) {
 Points applied(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
                StoredScalar scalar = StoredScalar::Double) {
   return support::edited(mesh, apply_edit(mesh, edit, fraction, scalar));
-}
-
-/// Expects that apply_edit() refuses an edit; returns the sentence.
-std::string refusal(ErrorCause cause, const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
-                    StoredScalar scalar = StoredScalar::Double, const Progress& progress = {}) {
-  return support::expect_refusal(cause, [&] { apply_edit(mesh, edit, fraction, scalar, progress); });
 }
 
 /// Number of coordinates that differ.
@@ -127,27 +119,10 @@ TEST(Edit, PosesAreGivenOneByOne) {
 
 TEST(Edit, FractionOutsideZeroToOneIsRefused) {
   for (const double fraction : {-0.1, 1.25, std::nan("")}) {
-    refusal(ErrorCause::BadParameter, test_mesh(), edit_of({pull({kMiddle}, {0, 0, 3})}), fraction);
+    support::expect_refusal(ErrorCause::BadParameter, [&] {
+      applied(test_mesh(), edit_of({pull({kMiddle}, {0, 0, 3})}), fraction);
+    });
   }
-}
-
-TEST(Edit, OtherMeshIsRefusedWithBothNumbers) {
-  const TriangleMesh mesh = test_mesh();
-  const auto expect_refused = [&](const Edit& edit, const std::string& wanted, const std::string& found) {
-    const std::string sentence = refusal(ErrorCause::MeshMismatch, mesh, edit);
-    expect_contains(sentence, wanted);
-    expect_contains(sentence, found);
-  };
-  const Edit good = edit_of({pull({kMiddle}, {0, 0, 3})});
-  Edit vertices = good, faces = good, connectivity = good;
-  vertices.mesh_vertices = 11703;
-  expect_refused(vertices, "11703", "600");
-  faces.mesh_faces = 23402;
-  expect_refused(faces, "23402", std::to_string(mesh.faces.rows()));
-  TriangleMesh turned = mesh;
-  turned.faces.row(5) << mesh.faces(5, 1), mesh.faces(5, 2), mesh.faces(5, 0);
-  connectivity.connectivity = connectivity_checksum(600, turned.faces);
-  expect_refused(connectivity, connectivity.connectivity, connectivity_checksum(600, mesh.faces));
 }
 
 /// Counts the calls of an edit's stages on a grid of n x n, in one thread.

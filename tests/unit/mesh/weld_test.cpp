@@ -6,18 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "lapedit/edit/edit.h"
-#include "lapedit/edit/positions.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
-#include "support.h"
-#include "torn_mesh.h"
 
 namespace lapedit::weld_test {
 namespace {
-
-using support::Torn;
-using support::with_islands;
 
 TEST(Weld, NamesTheFirstOfEachPlace) {
   const double nan = std::nan(""), far = std::numeric_limits<double>::infinity();
