@@ -23,16 +23,16 @@ from surfaces import X, Y, Z, ball, between, degrees_between, fitted, grid, near
 METHODS = ("default", "paper", "linear")
 
 
-def run(mesh, *steps, fractions="1", scan=None, made_for=None):
-    """@param scan  is scan.ply. @param made_for  positions by which the edit is applied. @return positions for each fraction, and the last
-    report or the refusal"""
+def run(mesh, *steps, fractions="1", scan=None, made_for=None, counts=None):
+    """@param scan  is scan.ply. @param made_for  positions by which the edit is applied. @param counts  vertices, faces or
+    connectivity that the edit names. @return positions for each fraction, and the last report or the refusal"""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         write(folder / "mesh.ply", *mesh)
         if scan:
             write(folder / "scan.ply", *scan)
-        by_position = {} if made_for is None else {"mesh": {"positions": {"vertices": f"0-{len(made_for) - 1}", "points": made_for.tolist()}}}
-        (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, **by_position, "steps": steps}), encoding="utf-8")
+        by_position = {} if made_for is None else {"positions": {"vertices": f"0-{len(made_for) - 1}", "points": made_for.tolist()}}
+        (folder / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "mesh": {**(counts or {}), **by_position}, "steps": steps}), encoding="utf-8")
         done = subprocess.run([COMMAND, "-q", "--fractions", fractions, "--report", "report.json", "mesh.ply", "out.ply", "edit.json"],
                               cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, "MALLOC_PERTURB_": "85"})
         if done.returncode:
@@ -304,6 +304,43 @@ class Invariance(Edits):
         scan = mesh[0] + np.sin(mesh[0][:, [1]] / 4) * Z, mesh[1]
         self.assert_error(edited((points, to[mesh[1]]), fit, made_for=mesh[0], scan=scan)[to], edited(mesh, fit, scan=scan), 1e-6, "fit")
 
+    def test_points_are_on_the_mesh_before_the_first_step(self):
+        mesh = ball(3)
+        at, way = mesh[0][40].tolist(), (0.8 * mesh[0][40]).tolist()
+        by_point, by_number = (step(group, region={"radius": 1}) for group in ({"points": [at], "translation": way}, handle(40, translation=way)))
+        self.assertTrue((edited(mesh, by_point, by_point) == edited(mesh, by_number, by_number)).all())
+
+    def test_by_position_another_mesh_gets_nearly_the_same_surface(self):
+        """Four times coarser and finer: a disc within a radius, two groups in a set with weights, and targets."""
+        mesh, cap = ball(4), near(ball(4), (0, 0, 1), 1.1)
+        soft = near(mesh, (-0.5, 0, 0.9), 0.2)
+        marks = [nearest(mesh, p) for p in ((1, 0, 0), (0.9, 0.4, 0))]
+        steps = (step(handle(near(mesh, (0, 0, 1), 0.25), translation=(0, 0.1, 0.4)), region={"radius": 1.2}),
+                 step(handle(nearest(mesh, (0.5, 0, 0.9)), translation=(0.1, 0, 0.1)), {**handle(soft), "weights": np.where(soft % 2, 0.5, 1).tolist()},
+                      region={"vertices": cap.tolist()}),
+                 step(handle(marks, targets=((1.3, 0, 0), (1.1, 0.5, 0))), region={"radius": 0.8}))
+        pose = edited(mesh, *steps)
+        self.assertTrue((edited(mesh, *steps, made_for=mesh[0]) == pose).all())
+        ways = pose - mesh[0]
+        largest = np.linalg.norm(ways, axis=1).max()
+        self.assertGreater(largest, 0.4)
+        for levels, bound in ((3, 0.05), (5, 0.03)):
+            points, faces = ball(levels)
+            other = points @ rotation((1, 2, 3), 33).T, faces
+            expected = ways[[nearest(mesh, p) for p in other[0]]]
+            off = edited(other, *steps, made_for=mesh[0]) - other[0] - expected
+            self.assertLess(np.sqrt((off**2).sum(1).mean()), bound * largest)
+            self.assertIn("take a mesh of the same object", " ".join(run(other, *steps, made_for=mesh[0] + (0.5, 0, 0))[1].split()))
+
+    def test_an_edit_of_another_mesh_is_refused_with_both_numbers(self):
+        mesh = grid(30, 20)
+        one = step(handle(310, translation=Z), region={"radius": 8})
+        for counts, found in (({"vertices": 11703}, "11703 .*600"), ({"faces": 23402}, "23402 .*1102"),
+                              ({"connectivity": "0123456789abcdef"}, "0123456789abcdef.*[0-9a-f]{16}")):
+            self.assertRegex(" ".join(run(mesh, one, counts=counts)[1].split()), found)
+        self.assertIn("to apply it by position, remove vertices, faces and connectivity",
+                      " ".join(run(mesh, one, counts={"faces": 23402}, made_for=mesh[0])[1].split()))
+
     def test_far_from_the_origin_the_digits_that_are_left_are_right(self):
         for k, ((points, faces), radius, normal_radius, groups, _) in enumerate(self.cases()):
             size = np.ptp(points, axis=0).max()
@@ -448,8 +485,9 @@ class Mirror(Edits):
             targets = {"vertices": disc.tolist(), "targets": (mesh[0][disc] + 0.1 * mesh[0][disc][:, [2, 0, 1]]).tolist()}
             across = handle(near((points, faces), (0.05, 0, 1), 0.25), translation=(0.1, 0.05, 0.25))
             for group in (one, targets, across):
-                for settings in ({}, {"method": "paper"}):
-                    whole = step(group, region={"radius": 0.5}, mirror={"point": at.tolist(), "normal": (3 * normal).tolist()}, **settings)
+                for region, settings in (({"radius": 0.5}, {}), ({"radius": 0.5}, {"method": "paper"}),
+                                         ({"vertices": near((points, faces), (0.6, 0, 0.8), 0.95).tolist()}, {})):
+                    whole = step(group, region=region, mirror={"point": at.tolist(), "normal": (3 * normal).tolist()}, **settings)
                     after = edited(mesh, whole)
                     self.assertLess(self.asymmetry(after, at, normal), 1e-9)
                     self.assertGreater(np.abs(after - mesh[0]).max(), 0.04)
@@ -483,9 +521,9 @@ class Welds(Edits):
             radius = 0.45 * np.linalg.norm(np.ptp(sound[0], axis=0))
             results = []
             for each in (mesh, sound):
-                for region in ({"radius": radius}, {"vertices": near(each, place, radius).tolist()}):
+                for region in ({"radius": radius}, {"vertices": near(each, place, radius).tolist()}, {"within": {"point": place.tolist(), "radius": radius}}):
                     results.append(edited(each, step(handle(nearest(each, place), translation=radius * np.array([0.1, 0.05, 0.3])), region=region)))
-            for found, expected in zip(results[:2], results[2:]):
+            for found, expected in zip(results[:3], results[3:]):
                 self.assert_error(found, expected[of], 1e-9 * radius)
                 first = np.unique(of, return_index=True)[1]
                 self.assertTrue((found == found[first[of]]).all(), "vertices at one position part")
@@ -709,6 +747,31 @@ class Shape(Edits):
                 pose = edited(mesh, step(grip, region={"radius": 1}, **({"contact": True} if contact else {})))
                 self.assertEqual(crossings(pose, mesh[1]) == 0, contact, vertex)
 
+    def test_rotation_left_is_that_of_the_last_pass(self):
+        mesh = grid(60, 60)
+        mesh = mesh[0] + 2 * np.sin(mesh[0][:, :1] * 0.8) * np.cos(mesh[0][:, 1:2] * 0.8) * Z, mesh[1]
+
+        def report(**settings):
+            return run(mesh, step(handle([3030, 3031], translation=(0, 0, 10)), region={"radius": 25}, **settings))[1]
+        twice, paper = report(iterations=2), report(method="paper")
+        self.assertGreater(twice["rotation_left"], 0.1)
+        self.assertLess(report(iterations=100)["rotation_left"], 0.1 * twice["rotation_left"])
+        self.assertAlmostEqual(paper["rotation_left"], paper["rotation_max"], places=9)
+        self.assertTrue(1 < paper["rotation_max"] < 180, "in degrees")
+        self.assertEqual(report(method="linear")["rotation_left"], 0)
+
+    def test_sizes_outside_the_range_of_fourth_powers_are_refused(self):
+        points, faces = grid(20, 20)
+
+        def run_at(scale, way=3.0):
+            return run((scale * points, faces), step(handle(210, translation=(0, 0, way * scale)), region={"radius": 8 * scale}))
+        (expected,), _ = run_at(1)
+        for scale in (2.0**-180, 2.0**180):
+            self.assert_error(run_at(scale)[0][0] / scale, expected, 1e-9)
+        for scale in (1e-300, 1e-77, 1e-70, 1e70, 1e77):
+            self.assertIn("use another unit of length", " ".join(run_at(scale)[1].split()))
+        self.assertIn("Handle group 0 is to move by 1e+77", run_at(1, 1e77)[1])
+
     def test_kernels_of_older_processors_give_the_same_coordinates(self):
         mesh = tube(16, 60, 12)
         expected = self.bent(mesh, 1, 10.4, 80)[0][0]
@@ -914,12 +977,15 @@ class SoftHandles(Edits):
             away = np.linalg.norm(mesh[0], axis=1)
             disc = np.flatnonzero(away <= 0.25)
             lagging = {}
+            pull = handle(disc, translation=(0, 0, 0.3))
+            plain, ones = (edited(mesh, step(group, region={"radius": 0.8})) for group in (pull, {**pull, "weights": [1] * len(disc)}))
+            self.assertTrue((plain == ones).all())
             for soft in (False, True):
                 # An exponential of the distance: 1 in the middle, and 0.3 over the number of vertices at the boundary.
                 least = 0.3 / len(disc)
                 s = away[disc] / 0.25
                 weights = {"weights": (least ** (s * s * (3 - 2 * s))).tolist()} if soft else {}
-                after = edited(mesh, step({**handle(disc, translation=(0, 0, 0.3)), **weights}, region={"radius": 0.8}))
+                after = edited(mesh, step({**pull, **weights}, region={"radius": 0.8}))
                 self.assertAlmostEqual(after[nearest(mesh, (0, 0, 0)), 2], 0.3, delta=1e-3)
                 lagging[soft] = 1 - after[np.abs(away - 0.25) < 0.04, 2].mean() / 0.3
             self.assertAlmostEqual(lagging[True], 0.1, delta=0.07)

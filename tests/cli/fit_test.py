@@ -120,9 +120,6 @@ class Fit(ProgramTest):
         for targets in ([[0, 0, 0]], [[0, 0, 0]] * 3):
             self.write_edit({"region": {"component": True}, "fit": {"to": "scan.ply"}, "handles": [{"vertices": "1-2", "targets": targets}]})
             self.refused(REFUSED, "targets", self.mesh, self.out, self.edit)
-        self.write_edit({"region": {"component": True}, "fit": {"to": "far.ply", "align": "none", "distance": 1}})
-        (self.folder / "far.ply").write_bytes(files.ply_plain(([(x + 100, y, z) for x, y, z in TRUTH], DOME[1])))
-        self.refused(REFUSED, "no partner", self.mesh, self.out, self.edit)
         for x in (0, 2):
             (self.folder / "triangle.ply").write_bytes(files.ply_plain(([(0, 0, 0), (1, 0, 0), (x, 2 - x, 0)], [(0, 1, 2)])))
             self.refused(REFUSED, "The region of the fit has a single triangle, or none with an area: give",

@@ -8,6 +8,7 @@ import functools
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -17,6 +18,9 @@ import trimesh
 
 from laplacian_edit import EditRefused, edit
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "cli"))
+
+from surfaces import grid, together, tube as round_tube  # noqa: E402
 
 
 @functools.lru_cache(None)
@@ -28,28 +32,10 @@ def mesh(name):
     return numpy.array(loaded.vertices), numpy.array(loaded.faces)
 
 
-def grid(rows, columns, place):
-    """A grid of faces, with place(u, v) for u and v from 0 to 1."""
-    u, v = (a.ravel() for a in numpy.meshgrid(numpy.linspace(0, 1, rows), numpy.linspace(0, 1, columns), indexing="ij"))
-    corner = (numpy.arange(rows - 1)[:, None] * columns + numpy.arange(columns - 1)).ravel()
-    faces = numpy.concatenate([numpy.stack([corner, corner + 1, corner + columns], 1),
-                               numpy.stack([corner + 1, corner + columns + 1, corner + columns], 1)])
-    return numpy.stack(place(u, v), 1), faces
-
-
-def tube(rows, columns, radius, low, high):
-    """An open tube along y whose sides are joined."""
-    points, faces = grid(rows, columns + 1, lambda u, v: (radius * numpy.sin(2 * numpy.pi * v), low + (high - low) * u,
-                                                         radius * numpy.cos(2 * numpy.pi * v)))
-    keep = numpy.arange(len(points)) % (columns + 1) < columns
-    number = numpy.cumsum(keep) - 1
-    number[~keep] = number[numpy.arange(len(points))[~keep] - columns]
-    return points[keep], number[faces]
-
-
-def both(*parts):
-    counts = numpy.cumsum([0] + [len(points) for points, _ in parts])
-    return numpy.concatenate([p for p, _ in parts]), numpy.concatenate([f + n for (_, f), n in zip(parts, counts)])
+def tube(rings, around, radius, low, high):
+    """An open tube along y."""
+    points, faces = round_tube(around, rings, high - low, closed=False)
+    return points[:, [2, 0, 1]] * [radius, 1, radius] + [0, low, 0], faces
 
 
 def near(points, *place, radius):
@@ -113,7 +99,9 @@ def nose():
 
 
 def sheet():
-    points, faces = grid(60, 40, lambda u, v: (3 * u, 2 * v, 0.02 * numpy.sin(20 * u) * numpy.sin(15 * v)))
+    points, faces = grid(60, 40)
+    u, v = (points[:, :2] / [59, 39]).T
+    points = numpy.stack([3 * u, 2 * v, 0.02 * numpy.sin(20 * u) * numpy.sin(15 * v)], 1)
     left, right = where(points[:, 0] < 0.6), where(points[:, 0] > 2.4)
     return points, faces, {"region": {"component": True}, "handles": [{"vertices": left}, turned(right, [0, 1, 0], -186, [1.5, 0, 0])]}
 
@@ -125,7 +113,7 @@ def squashed():
 
 
 def sleeve():
-    points, faces = both(tube(80, 24, 0.25, -2, 2), tube(50, 40, 0.4, -1.2, 0.8))
+    points, faces = together(tube(80, 24, 0.25, -2, 2), tube(50, 40, 0.4, -1.2, 0.8), 0)
     cuff = where((numpy.arange(len(points)) >= 80 * 24) & (points[:, 1] > 0.6))
     held = where((numpy.arange(len(points)) >= 80 * 24) & (points[:, 1] < -1))
     return points, faces, {"region": {"component": True}, "handles": [{"vertices": held}, {"vertices": cuff, "translation": [0.45, 0, 0]}]}
@@ -162,7 +150,6 @@ class Contact(unittest.TestCase):
                 self.assertTrue(crosses(plain[0], faces))
                 self.assertFalse(crosses(stopped[0], faces))
                 self.assertFalse(crosses(stopped[0].astype(numpy.float32), faces))
-
 
     def test_the_report_says_what_stopped(self):
         points, faces, step, plain, stopped = both_ways(sleeve)
@@ -207,7 +194,7 @@ class Contact(unittest.TestCase):
         self.assertLess(moved.max(), 0.16)
 
     def test_pieces_that_cross_at_rest_stay_free(self):
-        points, faces = both(tube(80, 24, 0.25, -2, 2), tube(50, 40, 0.3, -1.2, 0.8))
+        points, faces = together(tube(80, 24, 0.25, -2, 2), tube(50, 40, 0.3, -1.2, 0.8), 0)
         points[80 * 24:] = points[80 * 24:] @ [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
         self.assertTrue(crosses(points, faces))
         low, high = where(points[:, 1] < -1.6), where(points[:, 1] > 1.6)

@@ -117,6 +117,9 @@ class Window {
     session.set_settings(settings);
     session.wait();
   }
+  void sizes(double radius, double fraction) {
+    change([=](DragSettings& s) { s.radius = radius, s.handle_fraction = fraction; });
+  }
   void undo(int times = 1) {
     for (int k = 0; k < times; ++k) {
       session.undo();

@@ -1,58 +1,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <numeric>
-#include <vector>
+#include <map>
 
 #include "lapedit/mesh/vertex_set.h"
 
-/// Meshes with several vertices at the same place.
 namespace lapedit::support {
 
-/// A mesh with vertices that others share their places with, and of each of its vertices the one of `sound` there.
-struct Torn {
-  TriangleMesh mesh, sound;
+/// Faces with x above a limit have vertices of their own, as islands of texture coordinates do: the mesh then has
+/// several vertices at the same position.
+inline TriangleMesh with_islands(const TriangleMesh& sound, double limit) {
+  TriangleMesh torn = sound;
+  std::map<int, int> doubled;
   std::vector<int> of;
-};
-
-/// Every triangle has corners of its own, as in an STL file.
-inline Torn soup(const TriangleMesh& sound) {
-  Torn torn{{}, sound, {}};
-  for (Eigen::Index k = 0; k < sound.faces.size(); ++k) {
-    torn.of.push_back(sound.faces.data()[k]);
-  }
-  torn.mesh.vertices = gather(sound.vertices, torn.of);
-  torn.mesh.faces.resize(sound.faces.rows(), 3);
-  std::iota(torn.mesh.faces.data(), torn.mesh.faces.data() + torn.mesh.faces.size(), 0);
-  return torn;
-}
-
-/// Faces with x above and below a limit have vertices of their own, as islands of texture coordinates do.
-inline Torn with_islands(const TriangleMesh& sound, double limit) {
-  Torn torn{sound, sound, std::vector<int>(sound.vertices.rows())};
-  std::iota(torn.of.begin(), torn.of.end(), 0);
   const auto is_beyond = [&](const auto& face) {
     return sound.vertices(face[0], 0) + sound.vertices(face[1], 0) + sound.vertices(face[2], 0) > 3 * limit;
   };
-  std::vector<int> other(sound.vertices.rows(), -1);
   for (const auto& face : sound.faces.rowwise()) {
     for (const int v : face) {
-      other[v] = is_beyond(face) ? other[v] : v;  // on this side
+      if (!is_beyond(face)) doubled[v] = -1;
     }
   }
-  std::vector<char> is_doubled(sound.vertices.rows(), 0);
-  for (auto face : torn.mesh.faces.rowwise()) {
+  const auto count = static_cast<int>(sound.vertices.rows());
+  for (auto face : torn.faces.rowwise()) {
     const bool beyond = is_beyond(face);
     for (int& v : face) {
-      if (beyond && other[v] >= 0 && !is_doubled[v]) {
-        is_doubled[v] = 1;
-        other[v] = static_cast<int>(torn.of.size());
-        torn.of.push_back(v);
+      if (const auto found = doubled.find(v); beyond && found != doubled.end()) {
+        if (found->second < 0) {
+          found->second = count + static_cast<int>(of.size());
+          of.push_back(v);
+        }
+        v = found->second;
       }
-      v = beyond && is_doubled[v] ? other[v] : v;
     }
   }
-  torn.mesh.vertices = gather(sound.vertices, torn.of);
+  torn.vertices.conservativeResize(count + static_cast<Eigen::Index>(of.size()), 3);
+  torn.vertices.bottomRows(static_cast<Eigen::Index>(of.size())) = gather(sound.vertices, of);
   return torn;
 }
 

@@ -49,8 +49,6 @@ TEST(FilterFigures, AreNumbersAndTruthValuesOnly) {
   }
 }
 
-// --- Layers ---------------------------------------------------------------------------------------------------------
-
 TEST(Filters, FitDeclaresThatItReadsAnotherLayer) {
   const FilterLaplacianEdit plugin;
   for (QAction* const action : plugin.actions()) {

@@ -317,20 +317,6 @@ TEST(CellPose, SingularAndMirroringMapsGiveFiniteRotations) {
   }
 }
 
-TEST(CellModel, VerticesFollowTheirCells) {
-  const auto t = limb();
-  t->solve({bent(90)});
-  t->spread();
-  for (int i = 0; i < t->region.size(); ++i) {
-    if (t->region.classes[i] == VertexClass::Handle) {
-      const Vector3 p = t->rest.row(i), way = bent(90) * p - p;
-      EXPECT_LT((t->displacement.row(i).transpose() - way).norm(), 1e-3 * way.norm()) << i;
-    } else if (t->region.anchor_depth[i] == 1) {
-      EXPECT_LT(t->displacement.row(i).norm(), 1e-9) << i;
-    }
-  }
-}
-
 /// In place, with another order of elimination, from the lower half alone.
 TEST(SmallCholesky, AgreesWithADenseSolve) {
   constexpr int kSize = 40;

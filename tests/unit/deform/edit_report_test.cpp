@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lapedit/deform/edit_quality.h"
-#include "lapedit/edit/edit.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -157,35 +156,6 @@ TEST(AdviceOnAnEdit, IsAtMostTwoSentencesTheFirstOnTheShape) {
   r.causes.lone_handle = true;
   expect_advice(r, {"2 triangles folded over near vertex 5, and an edge at vertex 17", "use a group", handle});
   EXPECT_EQ(r.advice().find("passes"), std::string::npos);
-}
-
-class ReportOfAnEdit : public testing::Test {
- protected:
-  EditReport report(const EditSettings& settings, double lift = 10) {
-    EditStep step;
-    step.region.radius = 25;
-    step.settings = settings;
-    step.handles.resize(1);
-    step.handles[0].vertices = {50 * 60 + 30, 50 * 60 + 31};
-    step.handles[0].transform.translation = {0, 0, lift};
-    Edit edit;
-    edit.steps = {step};
-    return apply_edit(mesh, edit).reports.at(0);
-  }
-
-  const TriangleMesh mesh = shapes::bumpy_grid();
-};
-
-TEST_F(ReportOfAnEdit, RotationLeftIsThatOfTheLastPass) {
-  EditSettings settings;
-  settings.iterations = 2;
-  const EditReport twice = report(settings);
-  EXPECT_GT(twice.rotation_left, 0.1);
-  settings.iterations = 100;
-  EXPECT_LT(report(settings).rotation_left, 0.1 * twice.rotation_left);
-  const EditReport paper = report(EditSettings::of(EditMethod::Paper));
-  EXPECT_NEAR(paper.rotation_left, paper.rotation_max, 1e-9);
-  EXPECT_EQ(report(EditSettings::of(EditMethod::Linear)).rotation_left, 0);
 }
 
 TEST(EditReport, TextHoldsEveryNumber) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
-#include <string>
 
 #include "shapes.h"
 #include "support.h"
@@ -74,28 +73,21 @@ TEST(LaplacianSystem, OnlyWhatFitsIsShared) {
 /// A disc of a CAD program at the end of a tube. Its middle has the square of its neighbours in the matrix of order 2.
 TEST(LaplacianSystem, FanTakesMemoryOfItsSizeOrIsRefused) {
   constexpr int kAround = 4000;
-  TriangleMesh mesh = support::open_tube(kAround, 3, 0.2);
-  const auto hub = static_cast<int>(mesh.vertices.rows());
-  mesh.vertices.conservativeResize(hub + 1, 3);
-  mesh.vertices.row(hub).setZero();
-  const Eigen::Index faces = mesh.faces.rows();
-  mesh.faces.conservativeResize(faces + kAround, 3);
-  for (int k = 0; k < kAround; ++k) {
-    mesh.faces.row(faces + k) << hub, (k + 1) % kAround, k;
-  }
-  std::vector<int> boundary(kAround);
-  std::iota(boundary.begin(), boundary.end(), 2 * kAround);
+  TriangleMesh mesh = shapes::cylinder(kAround, 3);  // its first vertex is the middle of a disc, and its last one
+  mesh.vertices.col(0) *= 0.05;
+  std::vector<int> boundary(kAround + 1);
+  std::iota(boundary.begin(), boundary.end(), 2 * kAround + 1);
   const Region region = support::whole_region(mesh, {{7}}, boundary);
   for (const EditMethod method : {EditMethod::Default, EditMethod::Linear}) {
     const System system = prepared(mesh, region, EditSettings::of(method));
-    EXPECT_EQ(system->matrix->long_rows.size(), 1U);
-    EXPECT_LT(system->matrix->cholesky.factor_nonzeros(), 100U * hub) << name(method);
+    EXPECT_EQ(system->matrix->long_rows.size(), 2U);
+    EXPECT_LT(system->matrix->cholesky.factor_nonzeros(), 100U * mesh.vertices.rows()) << name(method);
   }
   EditSettings second;
   second.order = 2;
   const std::string refusal =
       support::expect_refusal(ErrorCause::BadParameter, [&] { prepared(mesh, region, second); });
-  support::expect_contains(refusal, "Vertex " + std::to_string(hub) + " has 4000 neighbours");
+  support::expect_contains(refusal, "Vertex 0 has 4000 neighbours");
 }
 
 }  // namespace

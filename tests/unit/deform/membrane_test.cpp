@@ -74,21 +74,6 @@ TEST(Membrane, RatioOfTheEnergiesIsThatOfTheSurfaces) {
   }
 }
 
-TEST(Membrane, ScalePlaceAndHandleDoNotMatter) {
-  const TriangleMesh mesh = shapes::letter_field(30, 16);
-  const Eigen::VectorXd u = (2 * mesh.vertices.col(0)).array().sin() * mesh.vertices.col(1).array();
-  for (const LaplacianKind kind : {LaplacianKind::Umbrella, LaplacianKind::Cotangent, LaplacianKind::MeanValue}) {
-    const Energies here = energies(mesh, u, kind);
-    EXPECT_GT(here.factor, 0);
-    EXPECT_EQ(energies(mesh, u, kind, 111).factor, here.factor) << "the next handle finds it ready";
-    for (const double scale : {1e-9, 1e7}) {
-      const Affine view = support::rigid(50, Vector3(1, 2, 0), scale * Vector3(3, 1, 2)) * Eigen::Scaling(scale);
-      const Energies there = energies(support::moved(view, mesh), u, kind);
-      EXPECT_NEAR(there.ratio() / here.ratio(), 1, 1e-6) << name(kind) << ", scale " << scale;
-    }
-  }
-}
-
 /// Beside an equation of weight 1 a membrane never weighs more than 1, or handles would stay behind.
 TEST(Membrane, OutweighsBendingNowhere) {
   for (const TriangleMesh& mesh : {shapes::grid(2, 2), shapes::icosphere(1), shapes::letter_field(30, 16)}) {

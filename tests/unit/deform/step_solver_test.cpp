@@ -3,13 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <limits>
-#include <numeric>
-#include <thread>
 #include <vector>
 
-#include "allocation_watch.h"
 #include "dense_reference.h"
 #include "lapedit/deform/laplacian_system.h"
 #include "shapes.h"
@@ -33,8 +29,6 @@ TriangleMesh wavy_letters(int nx, int ny) {
   }
   return mesh;
 }
-
-// --- against dense least squares ---
 
 /// Small problems with everything in them: an irregular mesh that goes on outside the region, two handle groups.
 struct SmallProblem {
@@ -165,39 +159,6 @@ TEST(DenseLeastSquares, AgreesWhereTheNormalEquationsAreIllConditioned) {
     EXPECT_LT(support::error(solver.pose({map}), expected), bound) << "order " << order;
   }
 }
-
-// --- reports ---
-
-/// Also in products, factors, their corrections and threads, all of which a pose needs.
-TEST(Pose, AllocatesNothingAfterTheFirst) {
-  const TriangleMesh mesh = shapes::bumpy_grid();
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  EditSettings second_order = EditSettings::of(EditMethod::Paper);
-  second_order.order = 2;
-  for (const int size : {1, 12}) {
-    std::vector<int> handle(static_cast<std::size_t>(size));
-    std::iota(handle.begin(), handle.end(), 60 * 50 + 25);
-    const Region region = build_region(mesh, adjacency, within(20.5), {handle});
-    for (const EditSettings& settings :
-         {EditSettings::of(EditMethod::Linear), EditSettings::of(EditMethod::Paper), second_order, EditSettings()}) {
-      const long before_all = allocations;
-      Prepared solver(mesh, region, settings, {StoredScalar::Double, {}, {3}});
-      std::vector<HandleMotion> maps = {support::shift(Vector3(4, 0, 20))};
-      solver.pose(maps);
-      ASSERT_GT(allocations.load(), before_all);  // or the count does not count
-      // A sanitizer allocates for a thread that starts: they have to be there.
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      const long before = allocations;
-      for (int pose = 0; pose < 3; ++pose) {
-        maps[0].map.translation().x() += 0.3;
-        solver.pose(maps);
-      }
-      EXPECT_EQ(allocations - before, 0) << size << ", " << describe(settings);
-    }
-  }
-}
-
-// --- what bad input gets ---
 
 class SolverErrors : public ::testing::Test {
  protected:

@@ -135,12 +135,5 @@ TEST(CellFrame, HandleAndBoundaryAreAtTheirTargets) {
   }
 }
 
-TEST(CellFrame, WithoutAnchorsTheWholeFollowsRigidly) {
-  const TriangleMesh ball = shapes::icosphere(5);
-  const Scene s = scene("ball", ball, support::component(), {around(ball, {0, 0, 1}, 0.3)},
-                        {rigid(70, {1, 2, 0}, {3, 0, 1}, {0, 0, 1})}, {}, 0, 0);
-  EXPECT_LT(support::error(s.frame(), support::moved(s.maps[0].map, s.rest())), 1e-6);
-}
-
 }  // namespace
 }  // namespace lapedit::cell_frame_test

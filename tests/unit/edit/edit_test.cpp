@@ -15,8 +15,6 @@
 namespace lapedit::edit_test {
 namespace {
 
-using support::expect_contains;
-
 constexpr int kRows = 30, kColumns = 20;
 constexpr int kMiddle = 15 * kColumns + 10;
 
@@ -47,12 +45,6 @@ Edit edit_of(std::vector<EditStep> steps) {
 Points applied(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
                StoredScalar scalar = StoredScalar::Double) {
   return support::edited(mesh, apply_edit(mesh, edit, fraction, scalar));
-}
-
-/// Expects that apply_edit() refuses an edit; returns the sentence.
-std::string refusal(ErrorCause cause, const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
-                    StoredScalar scalar = StoredScalar::Double, const Progress& progress = {}) {
-  return support::expect_refusal(cause, [&] { apply_edit(mesh, edit, fraction, scalar, progress); });
 }
 
 /// Number of coordinates that differ.
@@ -105,30 +97,6 @@ std::vector<EditStep> several_steps(LaplacianKind laplacian) {
   return steps;
 }
 
-TEST(Edit, SeveralFractionsHaveTheBitsThatEachHasAlone) {
-  const TriangleMesh mesh = test_mesh();
-  for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
-    for (const EditMethod method : {EditMethod::Linear, EditMethod::Paper, EditMethod::Default}) {
-      Edit edit = edit_of(several_steps(laplacian));
-      for (EditStep& step : edit.steps) {
-        step.settings.method = method;
-      }
-      for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
-        const std::vector<EditResult> together =
-            apply_edit(mesh, support::adjacency_of(mesh), edit, {}, kFractions, scalar);
-        ASSERT_EQ(together.size(), kFractions.size());
-        for (std::size_t p = 0; p < kFractions.size(); ++p) {
-          const EditResult alone = apply_edit(mesh, edit, kFractions[p], scalar);
-          EXPECT_EQ(together[p].vertices, alone.vertices);
-          EXPECT_EQ(differing(support::edited(mesh, together[p]), support::edited(mesh, alone)), 0) << kFractions[p];
-          EXPECT_EQ(together[p].reports.size(), 3U);
-        }
-        EXPECT_GT(differing(together[0].positions, together[3].positions), 100);
-      }
-    }
-  }
-}
-
 /// Fails if results are collected, which take the memory of a mesh each.
 TEST(Edit, PosesAreGivenOneByOne) {
   const TriangleMesh mesh = test_mesh();
@@ -149,48 +117,12 @@ TEST(Edit, PosesAreGivenOneByOne) {
   EXPECT_EQ(poses, kFractions.size());
 }
 
-TEST(Edit, SizesOutsideTheRangeOfFourthPowersAreRefused) {
-  const TriangleMesh mesh = test_mesh();
-  const Points expected = apply_edit(mesh, edit_of({pull({kMiddle}, {0, 0, 3})})).positions;
-  const auto scaled = [&](double scale) {
-    EditStep step = pull({kMiddle}, {0, 0, 3 * scale});
-    step.region.radius *= scale;
-    return apply_edit({scale * mesh.vertices, mesh.faces}, edit_of({step})).positions;
-  };
-  for (const double scale : {0x1p-180, 0x1p180}) {
-    EXPECT_LT((scaled(scale) / scale - expected).cwiseAbs().maxCoeff(), 1e-9) << scale;
-  }
-  for (const double scale : {1e-300, 1e-77, 1e-70, 1e70, 1e77}) {
-    const std::string sentence = support::expect_refusal(ErrorCause::BadParameter, [&] { scaled(scale); });
-    support::expect_contains(sentence, "use another unit of length");
-  }
-  support::expect_contains(refusal(ErrorCause::BadParameter, mesh, edit_of({pull({kMiddle}, {0, 0, 1e77})})),
-                           "Handle group 0 is to move by 1e+77");
-}
-
 TEST(Edit, FractionOutsideZeroToOneIsRefused) {
   for (const double fraction : {-0.1, 1.25, std::nan("")}) {
-    refusal(ErrorCause::BadParameter, test_mesh(), edit_of({pull({kMiddle}, {0, 0, 3})}), fraction);
+    support::expect_refusal(ErrorCause::BadParameter, [&] {
+      applied(test_mesh(), edit_of({pull({kMiddle}, {0, 0, 3})}), fraction);
+    });
   }
-}
-
-TEST(Edit, OtherMeshIsRefusedWithBothNumbers) {
-  const TriangleMesh mesh = test_mesh();
-  const auto expect_refused = [&](const Edit& edit, const std::string& wanted, const std::string& found) {
-    const std::string sentence = refusal(ErrorCause::MeshMismatch, mesh, edit);
-    expect_contains(sentence, wanted);
-    expect_contains(sentence, found);
-  };
-  const Edit good = edit_of({pull({kMiddle}, {0, 0, 3})});
-  Edit vertices = good, faces = good, connectivity = good;
-  vertices.mesh_vertices = 11703;
-  expect_refused(vertices, "11703", "600");
-  faces.mesh_faces = 23402;
-  expect_refused(faces, "23402", std::to_string(mesh.faces.rows()));
-  TriangleMesh turned = mesh;
-  turned.faces.row(5) << mesh.faces(5, 1), mesh.faces(5, 2), mesh.faces(5, 0);
-  connectivity.connectivity = connectivity_checksum(600, turned.faces);
-  expect_refused(connectivity, connectivity.connectivity, connectivity_checksum(600, mesh.faces));
 }
 
 /// Counts the calls of an edit's stages on a grid of n x n, in one thread.

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
-#include "lapedit/session/solver_thread.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -28,11 +27,10 @@ struct Scene {
     step.handles[0].transform.translation = Vector3(1, 2.0 / 3, 3);
     step.handles[0].transform.degrees = 40;
   }
-  std::unique_ptr<StepSolver> solver(StoredScalar scalar = StoredScalar::Double,
-                                     const LaplacianSystem* previous = nullptr) const {
+  std::unique_ptr<StepSolver> solver(StoredScalar scalar) const {
     auto made = std::make_unique<StepSolver>(mesh, find_region(mesh, adjacency, step.region, groups_of(step)),
                                              step.settings, StepOptions{scalar});
-    made->prepare(mesh, previous);
+    made->prepare(mesh);
     return made;
   }
   std::vector<HandleMotion> maps() const {
@@ -57,33 +55,6 @@ TEST(Step, AdviceNamesTheStepsOfCoordinatesFarFromTheOrigin) {
     EXPECT_EQ(advice.find("mesh keeps coordinates in steps of 11.9: move the mesh to the origin") != std::string::npos,
               scalar == StoredScalar::Float)
         << advice;
-  }
-}
-
-/// By the solver itself, as filters and programs run it, and as the window does.
-TEST(Step, EveryWayToRunAStepHasTheSameBits) {
-  const Scene scene;
-  for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
-    const auto solver = scene.solver(scalar);
-    const Points positions = solver->pose(scene.maps());
-
-    const EditResult result = support::apply_step(scene.mesh, scene.step, 1, scalar);
-    EXPECT_EQ(result.vertices, solver->region().mesh_vertex);
-    EXPECT_TRUE(support::same_bits(result.positions, positions));
-
-    SolverThread thread(nullptr);
-    SolverPose pose;
-    thread.prepare({std::make_shared<const TriangleMesh>(scene.mesh),
-                    std::make_shared<const Adjacency>(scene.adjacency),
-                    scene.step.region,
-                    {scene.step.handles[0].vertices},
-                    scene.step.settings,
-                    scalar});
-    thread.solve(scene.maps(), true);
-    while (thread.wait()) {
-      thread.poll(pose);
-    }
-    EXPECT_TRUE(support::same_bits(pose.positions, positions));
   }
 }
 

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <random>
 #include <vector>
@@ -14,9 +12,6 @@
 namespace lapedit::nested_dissection_test {
 namespace {
 
-using Matrix = Eigen::SparseMatrix<double>;
-using Order = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>;
-
 using support::Graph;
 using support::Surface;
 using support::surface;
@@ -24,57 +19,6 @@ using support::surface;
 /// A surface with diagonals in random directions and numbers in any order.
 Graph irregular(Surface kind, int around, int along) {
   return renumbered(surface(kind, around, along, true), support::shuffled(around * along, 4));
-}
-
-/// L^T L + 1, L the graph's Laplacian.
-Matrix normal_matrix(const CompressedRows& neighbours) {
-  const int n = neighbours.rows();
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int v = 0; v < n; ++v) {
-    entries.emplace_back(v, v, neighbours[v].size());
-    for (const int w : neighbours[v]) entries.emplace_back(v, w, -1);
-  }
-  Matrix laplacian(n, n);
-  laplacian.setFromTriplets(entries.begin(), entries.end());
-  Matrix identity(n, n);
-  identity.setIdentity();
-  return Matrix(laplacian.transpose()) * laplacian + identity;
-}
-
-/// Entries of the factor of a matrix eliminated in an order: the vertex order.indices()[k] k-th.
-Eigen::Index factor_entries(const Matrix& matrix, const Order& order) {
-  Matrix permuted;
-  permuted = matrix.twistedBy(order.transpose());
-  // Only the structure is asked for: the pattern's column counts, along the elimination tree (Liu 1990).
-  const int n = static_cast<int>(permuted.cols());
-  std::vector<int> parent(n, -1), mark(n, -1);
-  Eigen::Index entries = n;
-  for (int j = 0; j < n; ++j) {
-    mark[j] = j;
-    for (Matrix::InnerIterator entry(permuted, j); entry; ++entry) {
-      for (int i = static_cast<int>(entry.row()); i < j && mark[i] != j; i = parent[i]) {
-        if (parent[i] < 0) parent[i] = j;
-        mark[i] = j;
-        ++entries;
-      }
-    }
-  }
-  return entries;
-}
-
-Eigen::Index nested_entries(const Graph& graph) {
-  const CompressedRows neighbours = graph.neighbours();
-  const std::vector<int> order = nested_dissection(neighbours, graph.points);
-  Order permutation(static_cast<Eigen::Index>(order.size()));
-  std::copy(order.begin(), order.end(), permutation.indices().data());
-  return factor_entries(normal_matrix(neighbours), permutation);
-}
-
-Eigen::Index minimum_degree_entries(const Graph& graph) {
-  const Matrix matrix = normal_matrix(graph.neighbours());
-  Order permutation;
-  Eigen::AMDOrdering<int>()(matrix.selfadjointView<Eigen::Lower>(), permutation);
-  return factor_entries(matrix, permutation);
 }
 
 void expect_permutation(std::vector<int> order, int n) {
@@ -172,9 +116,8 @@ TEST(NestedDissection, DoesNotDependOnTheUnit) {
   EXPECT_EQ(nested_dissection(neighbours, graph.points * 0x1p-900), order);
 }
 
-/// Fill over that of minimum degree.
 double relative_fill(const Graph& graph) {
-  return static_cast<double>(nested_entries(graph)) / static_cast<double>(minimum_degree_entries(graph));
+  return support::relative_fill(graph, nested_dissection(graph.neighbours(), graph.points));
 }
 
 TEST(NestedDissection, FillsAboutAsMuchAsMinimumDegreeOnMiddlingGraphs) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 #include <utility>
 #include <vector>
 
@@ -12,11 +11,6 @@
 
 namespace lapedit::operator_rows_test {
 namespace {
-
-Points random_points(Eigen::Index n, unsigned seed) {
-  std::mt19937 random(seed);
-  return Points::NullaryExpr(n, 3, [&] { return random() / 2147483648.0 - 1; });
-}
 
 bool same_matrix(const SparseMatrix& a, const SparseMatrix& b) {
   return a.nonZeros() == b.nonZeros() && a.cols() == b.cols() &&
@@ -26,6 +20,7 @@ bool same_matrix(const SparseMatrix& a, const SparseMatrix& b) {
 }
 
 using support::Graph;
+using support::random_points;
 using support::Surface;
 using support::surface;
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <random>
 #include <utility>
 
 #include "linear/operators.h"
@@ -30,8 +29,7 @@ struct Problem {
     for (std::size_t c = 0; c < kRows.size(); ++c) {
       all[kRows[c]] = kWeights[c];
     }
-    std::mt19937 random(3);
-    right = Points::NullaryExpr(all.size(), 3, [&] { return random() / 2147483648.0 - 1; });
+    right = support::random_points(all.size(), 3);
     const Eigen::MatrixXd op = m->stretched();
     dense_known = op.transpose() * op;
     dense = dense_known;

@@ -14,9 +14,12 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
+#include "linear/operators.h"
 
 namespace lapedit::sparse_cholesky_test {
 namespace {
+
+using support::random_points;
 
 /// Graph Laplacian of a width x height grid, with diagonal more on the diagonal.
 SparseMatrix grid_laplacian(int width, int height, double diagonal) {
@@ -53,12 +56,6 @@ SparseMatrix random_positive_definite(int n, unsigned seed) {
   SparseMatrix root(n, n);
   root.setFromTriplets(entries.begin(), entries.end());
   return root * SparseMatrix(root.transpose());
-}
-
-Points random_points(int n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> number(-1, 1);
-  return Points::NullaryExpr(n, 3, [&] { return number(random); });
 }
 
 ErrorCause refusal(const SparseMatrix& matrix) {

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "base_support.h"
 #include "lapedit/linear/linear.h"
+#include "linear/operators.h"
 
 namespace lapedit::supernodal_solve_test {
 namespace {
@@ -128,12 +128,6 @@ const std::vector<Factor>& factors() {
 }
 
 template <typename Scalar>
-Rows<Scalar> random_rows(Eigen::Index n, unsigned seed) {
-  std::mt19937 random(seed);
-  return Rows<Scalar>::NullaryExpr(n, 3, [&] { return static_cast<Scalar>(random() / 2147483648.0 - 1); });
-}
-
-template <typename Scalar>
 class SupernodalSolve : public ::testing::Test {
  protected:
   static constexpr double kError = sizeof(Scalar) == 8 ? 1e-12 : 1e-4;
@@ -151,7 +145,7 @@ TYPED_TEST(SupernodalSolve, AgreesWithADenseSolveToTheSameBitsForAnyNumberOfThre
   for (const Factor& factor : factors()) {
     ThreadPool one(1);
     SupernodalSolver<TypeParam> alone(factor.pattern, factor.lower(), one);
-    const Rows<TypeParam> right = random_rows<TypeParam>(factor.dense.rows(), 2);
+    const Rows<TypeParam> right = support::random_points(factor.dense.rows(), 2).template cast<TypeParam>();
     const Rows<TypeParam> expected = this->solved(alone, right, one);
     const auto lower = factor.dense.triangularView<Eigen::Lower>();
     const Eigen::MatrixXd exact = lower.transpose().solve(lower.solve(Eigen::MatrixXd(right.template cast<double>())));
@@ -191,29 +185,15 @@ TEST(SupernodalSolver, TinyEntriesAreNothingInSinglePrecision) {
   }
 }
 
-/// M^T M + diagonal of a ring with chords: well-conditioned.
-SparseMatrix positive_definite(int n, double diagonal) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < n; ++i) {
-    const int other[3] = {(i + 1) % n, (i + 7) % n, (i * i + 3) % n};
-    entries.emplace_back(i, i, 1);
-    for (const int j : other) entries.emplace_back(i, j, -1.0 / 3);
-  }
-  SparseMatrix m(n, n), identity(n, n);
-  m.setFromTriplets(entries.begin(), entries.end());
-  identity.setIdentity();
-  return SparseMatrix(m.transpose()) * m + diagonal * identity;
-}
-
 /// Fails if the factor in single precision is worse than rounding makes it, or the right-hand side's scale matters.
 TEST(SparseCholeskySingle, PrecisionNeedsOneStepOfRefinement) {
-  constexpr int kSize = 500;
-  const SparseMatrix matrix = positive_definite(kSize, 0.1);
+  const SparseMatrix lower = support::system_of(support::surface(support::Surface::Torus, 20, 25));
+  const SparseMatrix matrix = lower.selfadjointView<Eigen::Lower>();
   CholeskyOptions options;
   options.single_precision = true;
   SparseCholesky factor(matrix, options);
   EXPECT_TRUE(factor.single_precision());
-  const Points expected = random_rows<double>(kSize, 8), right = matrix * expected;
+  const Points expected = support::random_points(matrix.rows(), 8), right = matrix * expected;
   Points x, step;
   factor.solve(right, x);
   EXPECT_LT((x - expected).norm(), 1e-5 * expected.norm());

@@ -34,12 +34,6 @@ TEST(VertexSet, GrowsByItsNeighbours) {
   EXPECT_EQ(grown(kAround, {}), Set());
 }
 
-TEST(VertexSet, ShrinkingTakesBackWhatGrowingAdded) {
-  const Set set = square(6, 12);
-  EXPECT_GT(grown(kAround, set).size(), set.size());
-  EXPECT_EQ(shrunk(kAround, grown(kAround, set), {}), set);
-}
-
 TEST(VertexSet, BorderOfTheMeshIsNoOutside) {
   const Set all = square(0, 19);
   EXPECT_EQ(shrunk(kAround, all, {}), all);

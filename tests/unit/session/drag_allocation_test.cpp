@@ -57,7 +57,7 @@ TEST(Drag, BendingACurveAllocatesNothingOnceItMoves) {
 }
 
 TEST(Drag, SeamAllocatesNothingOnceItMoves) {
-  support::Window window(support::with_islands(shapes::grid(41, 41), 20).mesh);
+  support::Window window(support::with_islands(shapes::grid(41, 41), 20));
   window.change([](DragSettings& s) { s.radius = 9; });
   const int handle = support::vertex_at(window.session.mesh(), Vector3(20, 20, 0));
   window.click(handle);

@@ -27,8 +27,6 @@ void as_found(Window& window) {
   window.change([](DragSettings& s) { s.handle_fraction = DragSettings().handle_fraction; });
 }
 
-// --- Discs ----------------------------------------------------------------------------------------------------------
-
 TEST(DragDisc, HandleIsADiscUnlessASingleVertexIsAskedFor) {
   Window window(shapes::grid(60, 60));
   as_found(window);
@@ -59,10 +57,7 @@ void expect_counts_from(const Window& window, int vertex, double radius) {
 
 TEST(DragDisc, RegionCountsFromItsCentre) {
   Window window(shapes::grid(60, 60));
-  window.change([](DragSettings& s) {
-    s.radius = 10;
-    s.handle_fraction = 0.3;
-  });
+  window.sizes(10, 0.3);
   window.click(kMiddle);
   expect_counts_from(window, kMiddle, 10);
   const int anchors = window.session.shown().region()->count(VertexClass::Anchor);
@@ -92,10 +87,7 @@ TEST(DragDisc, NothingIsRefusedForASmallRegion) {
   as_found(window);
   for (const double fraction : {0.0, 0.2, 0.9}) {
     for (const double radius : {1.1, 2.0, 5.0}) {
-      window.change([&](DragSettings& s) {
-        s.radius = radius;
-        s.handle_fraction = fraction;
-      });
+      window.sizes(radius, fraction);
       window.session.key(DragKey::NewRegion);
       window.click(kMiddle);
       const bool possible = window.session.preparation().ready;
@@ -105,8 +97,6 @@ TEST(DragDisc, NothingIsRefusedForASmallRegion) {
     }
   }
 }
-
-// --- The brush ------------------------------------------------------------------------------------------------------
 
 TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
   play(
@@ -195,8 +185,6 @@ TEST(DragBrush, WhatIsNotConnectedIsKeptAndSaid) {
       shapes::grid(60, 60));
 }
 
-// --- Nothing holds --------------------------------------------------------------------------------------------------
-
 TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
   const TriangleMesh ball = shapes::icosphere(3);
   int top = 0;
@@ -209,8 +197,6 @@ TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
        ball);
 }
 
-// --- Keys -----------------------------------------------------------------------------------------------------------
-
 TEST(DragKeys, AmountsWithoutAMotionDoNothingButSaySo) {
   play(
       "click 30,30; keys x; says 'Nothing is being moved'; state picked; keys 6; says 'Nothing is being moved'; keys "
@@ -218,8 +204,6 @@ TEST(DragKeys, AmountsWithoutAMotionDoNothingButSaySo) {
       "rest; keys tx6; enter; steps 1",
       shapes::grid(60, 60));
 }
-
-// --- Gizmo and pivot ------------------------------------------------------------------------------------------------
 
 TEST(DragGizmo, ArrowMovesAlongItsAxisAndAClickGoesThrough) {
   Window window(shapes::grid(60, 60));
@@ -336,8 +320,6 @@ TEST(DragGizmo, BoundaryIsTheMiddleOfWhatHoldsAnArm) {
   window.session.set(&Tools::pivot, Pivot::Centroid);
   EXPECT_EQ(window.session.pivot_position(), centroid(positions, window.session.selection().groups.at(0)));
 }
-
-// --- Symmetry, soft handles, near pieces -----------------------------------------------------------------------------
 
 TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
   play(
@@ -460,8 +442,6 @@ TEST(DragGap, NearPiecesAreOneRegion) {
   EXPECT_EQ(window.session.recorded().steps.at(0).region.connect_gap, 0.1);
   window.expect_consistent();
 }
-
-// --- Hover ----------------------------------------------------------------------------------------------------------
 
 TEST(DragHover, ShowsWhatAPressWouldTake) {
   Window window(shapes::grid(60, 60));

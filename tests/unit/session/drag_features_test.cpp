@@ -144,10 +144,7 @@ TEST_P(DragFeatures, EyeComesAlongUnlessItIsExcluded) {
   const TriangleMesh mesh = creature(levels, true, size);
   const auto own = shapes::icosphere(levels).vertices.rows();
   Window window(mesh);
-  window.change([size = size](DragSettings& s) {
-    s.radius = 1.4 * size;
-    s.handle_fraction = 0.2;
-  });
+  window.sizes(1.4 * size, 0.2);
   const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
   window.click(pole);
   EXPECT_EQ(window.session.figures().pieces, 1);
@@ -175,10 +172,7 @@ TEST_P(DragFeatures, EyeComesAlongUnlessItIsExcluded) {
 TEST_P(DragFeatures, WideStretchIsWarnedOfUntilItIsUndone) {
   const auto [levels, size] = GetParam();
   Window window(creature(levels, false, size));
-  window.change([size = size](DragSettings& s) {
-    s.radius = 0.8 * size;
-    s.handle_fraction = 0.2;
-  });
+  window.sizes(0.8 * size, 0.2);
   const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
   window.drag(pole, Vector2(10, 0));
   EXPECT_TRUE(window.session.warning().empty()) << window.session.warning();
@@ -196,10 +190,7 @@ TEST_P(DragFeatures, WideStretchIsWarnedOfUntilItIsUndone) {
 TEST_P(DragFeatures, FoldedTrianglesAreListed) {
   const auto [levels, size] = GetParam();
   Window window(creature(levels, false, size));
-  window.change([size = size](DragSettings& s) {
-    s.radius = 0.6 * size;
-    s.handle_fraction = 0.4;
-  });
+  window.sizes(0.6 * size, 0.4);
   const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
   window.drag(pole, Vector2(250, 0));
   ASSERT_TRUE(window.session.figures().report);

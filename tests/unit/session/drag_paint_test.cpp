@@ -155,10 +155,7 @@ TEST(DragPivot, DragTurnsAboutTheShoulderAndShiftMoves) {
   Window window(shapes::tapered_arm(24, 60), support::view_from(Vector3(0, -12, 0), Vector3::Zero()));
   int tip = 0;
   window.session.mesh().vertices.col(0).maxCoeff(&tip);
-  window.change([](DragSettings& s) {
-    s.radius = 2;
-    s.handle_fraction = 0.2;
-  });
+  window.sizes(2, 0.2);
   window.click(tip);
   window.session.set(&Tools::pivot, Pivot::Boundary);
   EXPECT_TRUE(window.says("turns about the shoulder"));
@@ -196,10 +193,7 @@ TEST(DragPivot, SingleVertexTurnsAboutAPointToo) {
 
 TEST(DragSteps, LoadedStepsKeepTheirNames) {
   Window window(shapes::grid(60, 60));
-  window.change([](DragSettings& s) {
-    s.radius = 12;
-    s.handle_fraction = 0.3;
-  });
+  window.sizes(12, 0.3);
   window.drag(kMiddle, Vector2(20, 30));
   window.keys("r");
   window.session.move(window.at(Vector2(600, 500)));
@@ -215,8 +209,6 @@ TEST(DragSteps, LoadedStepsKeepTheirNames) {
   EXPECT_EQ(names[1].name.find("Turning by"), 0U);
   EXPECT_EQ(names[2].name, "Moving by 2 along X");
 }
-
-// --- Lasso -----------------------------------------------------------------------------------------------------------
 
 /// Draws a closed rectangle of pixels.
 void draw_lasso(Window& window, const Vector2& low, const Vector2& high, PressModifiers modifiers) {

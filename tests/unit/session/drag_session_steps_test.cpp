@@ -30,8 +30,6 @@ using State = DragSession::State;
 
 constexpr PressModifiers kAdd{true, false};
 
-// --- Presses ---------------------------------------------------------------------------------------------------------
-
 TEST(DragPress, WaitsForNothingBeforeTheSurfaceCanBeSearched) {
   const TriangleMesh mesh = support::stored(plate());
   const Camera view = support::view_from_above(mesh.vertices);
@@ -77,8 +75,6 @@ TEST(DragPress, AfterAStepIsHandledOnceTheNewPoseCanBeSearched) {
   EXPECT_EQ(window.session.selection().groups, (std::vector<std::vector<int>>{{at(50, 50)}}));
   window.expect_consistent();
 }
-
-// --- Regions --------------------------------------------------------------------------------------------------------
 
 TEST(DragRegion, SettingsOutOfRangeAreRefusedAndChangeNothing) {
   play("click 30,30; keep a; set radius -1; says radius; set order 2; same settings a; ready");
@@ -140,8 +136,6 @@ TEST(DragRegion, HandleAloneIsRefusedWithALine) {
       "set radius 0.001; click 30,30; says 'handle alone'; logged 1; drag 30,30 30 30; steps 0; same pose rest; set "
       "radius 5; drag 30,30 30 30; steps 1");
 }
-
-// --- Handles --------------------------------------------------------------------------------------------------------
 
 TEST(DragHandle, ClicksAddAndTakeVertices) {
   play(
@@ -302,8 +296,6 @@ TEST(DragCurve, NextPieceIsShownAsTheClickTakesIt) {
   ASSERT_TRUE(window.session.hover()->curve_point);
   EXPECT_EQ(window.session.hover()->path.rows(), 0);
 }
-
-// --- Steps ----------------------------------------------------------------------------------------------------------
 
 TEST(DragSteps, UndoAndRedoAreExact) {
   play(
@@ -522,8 +514,6 @@ TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   ASSERT_EQ(other.log.size(), 2U);
   EXPECT_EQ(other.log.back(), "step 1 of the saved edit: " + advice);
 }
-
-// --- The last step stays open ---------------------------------------------------------------------------------------
 
 TEST(DragLastStep, TakesNumbersAndAFraction) {
   play(

@@ -29,8 +29,6 @@ TriangleMesh hills() {
   return mesh;
 }
 
-// --- The simplest gesture -------------------------------------------------------------------------------------------
-
 TEST(DragSession, PressDragReleaseBringsTheVertexUnderTheCursor) {
   Window window(hills());
   const Vector2 target = window.at(kMiddle).pixel + Vector2(60, -40);
@@ -117,8 +115,6 @@ TEST(DragSession, RefusesAMeshWithoutFaces) {
   EXPECT_THROW(DragSession(cloud, StoredScalar::Float, {}), EditError);
 }
 
-// --- Dropping -------------------------------------------------------------------------------------------------------
-
 TEST(DragSession, CancelledDragLeavesEveryBit) {
   play(
       "click 30,30; press 30,30; move 30,30 50 20; wait; other pose rest; cancel; same pose rest; settled; release "
@@ -173,8 +169,6 @@ TEST(DragSession, MouseWhileAStepIsWorkedOutIsNotLost) {
 TEST(DragSession, NextClickAbandonsWhatIsPrepared) {
   play("press 30,30; release 30,30; click 10,10; groups 10,10; ready; in 10,10; anchor 10,10 not", hills());
 }
-
-// --- Keys -----------------------------------------------------------------------------------------------------------
 
 TEST(DragSession, TypedAmountsAreExact) {
   play(

@@ -77,10 +77,7 @@ TEST(DragTouch, NoEventLooksAtAllFaces) {
   constexpr double kMost = 0.2;
   const int middle = kSide * (kSide / 2) + kSide / 2;
   Window window(shapes::grid(kSide, kSide));
-  window.change([](DragSettings& s) {
-    s.radius = 8;
-    s.handle_fraction = 0.2;
-  });
+  window.sizes(8, 0.2);
   DragSession& session = window.session;
   const auto expect_few = [&](const char* name, const auto& event) {
     session.wait();

@@ -85,21 +85,6 @@ SolverUpdate all_updates(SolverThread& worker, SolverPose& pose) {
   return seen.all;
 }
 
-TEST(SolverThread, PosesAreThoseOfTheStep) {
-  SolverThread worker(nullptr);
-  SolverPose pose;
-  PrepareTask task = task_for(kHandle);
-  support::Prepared solver(*task.mesh, build_region(*task.mesh, *task.adjacency, task.region, task.groups));
-  worker.prepare(task);
-  const int serial = worker.solve({support::shift(Vector3(1, 2, 3))}, true);
-  const SolverUpdate update = all_updates(worker, pose);
-  ASSERT_TRUE(update.region && update.ready && update.pose && update.report);
-  EXPECT_EQ(update.region->mesh_vertex, solver.region().mesh_vertex);
-  EXPECT_EQ(pose.serial, serial);
-  EXPECT_TRUE(support::same_bits(pose.positions, solver.pose({support::shift(Vector3(1, 2, 3))})));
-  EXPECT_NEAR(update.report->handle_displacement, Vector3(1, 2, 3).norm(), 1e-9);
-}
-
 TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {
   SolverThread worker(nullptr);
   SolverPose pose;
@@ -179,28 +164,6 @@ TEST(SolverThread, ErrorsAreSentences) {
   EXPECT_NE(update.pose_error.find("finite"), std::string::npos);
   worker.solve({support::shift(Vector3(0, 0, 1))}, true);
   EXPECT_TRUE(all_updates(worker, pose).pose);
-}
-
-TEST(SolverThread, AppliesStepsOneAfterTheOther) {
-  SolverThread worker(nullptr);
-  SolverPose pose;
-  const PrepareTask task = task_for(kHandle);
-  EditStep step;
-  step.region = task.region;
-  step.handles = {{{kHandle}, {}}};
-  step.handles[0].transform.translation = Vector3(0, 0, 2);
-  Edit edit;
-  edit.steps = {step, step};
-  worker.apply({task.mesh, task.adjacency, edit, StoredScalar::Double});
-  const SolverUpdate update = all_updates(worker, pose);
-  ASSERT_TRUE(update.applied);
-  ASSERT_EQ(update.applied->size(), 2U);
-  const EditResult both = apply_edit(*task.mesh, edit);
-  TriangleMesh mesh = *task.mesh;
-  for (const EditResult& result : *update.applied) {
-    mesh.vertices = support::edited(mesh, result);
-  }
-  EXPECT_TRUE(support::same_bits(support::rows(mesh.vertices, both.vertices), both.positions));
 }
 
 TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {

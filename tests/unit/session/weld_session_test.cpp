@@ -16,7 +16,7 @@ using support::Window;
 
 /// A grid of 60 x 60 vertices, and others at the places of a seam in its middle.
 TriangleMesh torn_grid() {
-  return support::with_islands(shapes::grid(60, 60), 30).mesh;
+  return support::with_islands(shapes::grid(60, 60), 30);
 }
 
 TEST(DragWeld, InvertedRegionReplays) {

@@ -6,18 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "lapedit/edit/edit.h"
-#include "lapedit/edit/positions.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "shapes.h"
-#include "support.h"
-#include "torn_mesh.h"
 
 namespace lapedit::weld_test {
 namespace {
-
-using support::Torn;
-using support::with_islands;
 
 TEST(Weld, NamesTheFirstOfEachPlace) {
   const double nan = std::nan(""), far = std::numeric_limits<double>::infinity();
@@ -39,20 +32,6 @@ TEST(Weld, NamesTheFirstOfEachPlace) {
   weld.add_others(vertices, positions);
   EXPECT_EQ(positions, before) << "they are there already";
   EXPECT_TRUE(Weld(shapes::icosphere(2).vertices).empty());
-}
-
-/// A disc of a query reaches across a seam.
-TEST(Weld, QueriesReachAcross) {
-  const Torn torn = with_islands(shapes::grid(21, 21), 10);
-  Edit edit;
-  EditStep& step = edit.steps.emplace_back();
-  step.region.radius = 5;
-  step.handles.resize(1);
-  step.handles[0].query.within = VertexQuery::Disc{Vector3(10, 10, 0), 2};
-  const auto found = [&edit](const TriangleMesh& mesh) {
-    return located(mesh, support::adjacency_of(mesh), edit).steps[0].handles[0].vertices.size();
-  };
-  EXPECT_EQ(found(torn.mesh), found(torn.sound));
 }
 
 }  // namespace
