@@ -18,8 +18,6 @@ constexpr Attribute kAttributes[] = {
     {"colour", "red", {"green", "blue"}, "alpha"},
     {"quality", "quality", {}, nullptr},
     {"uv", "s", {"t"}, nullptr},
-    {"uv", "u", {"v"}, nullptr},
-    {"uv", "texture_u", {"texture_v"}, nullptr},
 };
 
 /// Adds the columns of an attribute. @return whether the scan has them

@@ -124,6 +124,7 @@ class Files(ProgramTest):
                                (r"not an ordinary file", "full.ply"), (r"cannot be written", "/proc/out.ply")):
             self.refused(UNWRITABLE, rf'output "{name}".* {sentence}', self.mesh, name, self.edit)
             self.refused(UNWRITABLE, rf'report "{name}".* {sentence}', self.mesh, "out.ply", self.edit, "--report", name)
+        self.refused(UNWRITABLE, r"stdout.* is not an ordinary file", self.mesh, "out.ply", self.edit, "--report", "/dev/stdout")
         (self.work / "all-0002.ply").mkdir()
         self.refused(UNWRITABLE, r"all-0002\.ply.* is a folder", self.mesh, "all.ply", self.edit, "--fractions", "0,1")
         far = self.write_edit({**LIFT, "handles": [{"vertices": "220", "translation": [0, 0, 6e38]}]})

@@ -89,6 +89,21 @@ class Transfer(ProgramTest):
                 self.assertEqual(found[3:6], tuple(ply.elements["vertex"][name][k] for name in NAMES[:3]))
                 self.assertEqual(found[6:], tuple(float_of(ply.elements["vertex"][name][k]) for name in NAMES[3:]))
 
+    def test_own_texture(self):
+        """The scan's coordinates, whose names are other ones, and its texture replace those of the template."""
+        self.scan.write_bytes(self.scan.read_bytes().replace(b"float s\n", b"float u\n").replace(b"float t\n", b"float v\n")
+                              .replace(b"skin of a.png\n", b"skin of a.png\ncomment TextureFile second.png\n"))
+        own = [(p, (9,) * 6) for p in MESH[0]]
+        for form in "ascii", "binary_little_endian":
+            with self.subTest(form):
+                self.mesh.write_bytes(vertices(form, MESH, ["float", "uchar", "uchar", "uchar", "float", "float", "float"], own)
+                                      .replace(b"obj_info x 1", b"comment TextureFile the old one.png"))
+                ply = self.fitted("--transfer", "colour,quality,uv")
+                self.require_values(ply)
+                self.assertEqual(list(ply.elements["vertex"]), ["x", "y", "z", *NAMES])
+                textures = [line for line in self.out.read_bytes().split(b"\n") if b"TextureFile" in line]
+                self.assertEqual(textures, [b"comment TextureFile skin of a.png"])
+
     def test_own_columns_and_far_vertices(self):
         """The scan ends at y = 0.5: beyond it colours stay, as real numbers up to 1, and those of no others change."""
         points, faces = sheet(31, 33)

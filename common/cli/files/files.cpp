@@ -113,7 +113,7 @@ OutputFiles::OutputFiles(std::string what, const std::vector<std::string>& paths
       if (target.filename().empty() || fs::is_directory(target)) {
         refuse(k, "it is a folder");
       }
-      if (fs::exists(target) && !fs::is_regular_file(target)) {
+      if (fs::exists(paths[k]) && !fs::is_regular_file(paths[k])) {  // the target of a link to a pipe has no name
         refuse(k, "it is not an ordinary file");
       }
       if (!fs::is_directory(target.parent_path())) {

@@ -26,6 +26,11 @@ double stored(NumberKind kind, double number) {
   return isSingle(kind) ? static_cast<double>(static_cast<float>(number)) : number;
 }
 
+/// Returns s or t for the other names of texture coordinates, which programs use in their place.
+std::string shortName(const std::string& column) {
+  return column == "u" || column == "texture_u" ? "s" : column == "v" || column == "texture_v" ? "t" : column;
+}
+
 /// Replaces numbers in the bytes of a file.
 class Rewriter {
  public:
@@ -35,22 +40,20 @@ class Rewriter {
     if (kind == NumberKind::Float || kind == NumberKind::Double) {
       return putReal(bytes_, at, isSingle(kind) ? 4 : 8, file_.bigEndian, number);
     }
-    const std::string text = shortestText(number, isSingle(kind));
-    pieces_.push_back({at, texts_.size(), text.size()});
-    texts_ += text;
+    replace(at, wordEnd(at), shortestText(number, isSingle(kind)));
   }
 
-  /// Puts a text before a byte; texts for one byte come in the order of these calls.
-  void insert(std::size_t at, const std::string& text) {
-    pieces_.push_back({at, texts_.size(), text.size(), true});
+  /// Replaces the bytes from `at` to `end`. Texts before one byte, which replace none, come in the order of these
+  /// calls.
+  void replace(std::size_t at, std::size_t end, const std::string& text) {
+    pieces_.push_back({at, end, texts_.size(), text.size()});
     texts_ += text;
   }
 
   void replace(const FileColumn& column, std::size_t at, double number) {
     const std::string text = textOf(*column.type, number);
     if (file_.isText) {
-      pieces_.push_back({at, texts_.size(), text.size()});
-      texts_ += text;
+      replace(at, wordEnd(at), text);
     } else {
       bytes_.replace(at, text.size(), text);
     }
@@ -84,21 +87,23 @@ class Rewriter {
     std::size_t done = 0;
     for (const Piece& piece : pieces_) {
       all.append(bytes_, done, piece.at - done).append(texts_, piece.text, piece.size);
-      done = piece.at;
-      while (!piece.isNew && done < bytes_.size() && !endsWord(bytes_[done]) && bytes_[done] != '\\' &&
-             bytes_[done] != '#') {
-        ++done;
-      }
+      done = piece.end;
     }
     return all.append(bytes_, done);
   }
 
  private:
-  /// A new number in a text file; its length may differ from that of the old one.
+  /// A new text in place of the bytes from `at` to `end`; its length may differ.
   struct Piece {
-    std::size_t at, text, size;
-    bool isNew = false;  ///< before what is there
+    std::size_t at, end, text, size;
   };
+
+  std::size_t wordEnd(std::size_t at) const {
+    while (at < bytes_.size() && !endsWord(bytes_[at]) && bytes_[at] != '\\' && bytes_[at] != '#') {
+      ++at;
+    }
+    return at;
+  }
 
   const MeshFile& file_;
   std::string bytes_, texts_;
@@ -148,8 +153,10 @@ int replaceNormals(const FileNormals& normals, const Points& points, const Faces
 /// Writes columns into a file: where they are, otherwise at the end of each vertex's row.
 void replaceColumns(const MeshFile& file, const Carried& carried, Rewriter& rewriter) {
   const std::string newLine = file.bytes.compare(3, 2, "\r\n") == 0 ? "\r\n" : file.bytes.substr(3, 1);
-  if (!carried.texture.empty() && carried.texture != file.texture) {
-    rewriter.insert(file.headerAt, newLine + "comment TextureFile " + carried.texture);
+  if (!carried.texture.empty() && !file.texture.empty() && file.column("s") != nullptr) {
+    rewriter.replace(file.textureAt, file.textureAt + file.texture.size(), carried.texture);
+  } else if (!carried.texture.empty() && carried.texture != file.texture) {
+    rewriter.replace(file.headerAt, file.headerAt, newLine + "comment TextureFile " + carried.texture);
   }
   const auto white = [](const NumberType& type) {
     return type.isReal ? 1.0 : type.size == 2 && !type.isSigned ? 65535.0 : 255.0;
@@ -159,13 +166,14 @@ void replaceColumns(const MeshFile& file, const Carried& carried, Rewriter& rewr
     const double none = column.isColour() ? white(*column.type) : 0;
     const double unit = own != nullptr && column.isColour() ? white(*own->type) / none : 1;
     if (own == nullptr) {
-      rewriter.insert(file.headerAt, newLine + "property " + column.type->name + " " + column.name);
+      rewriter.replace(file.headerAt, file.headerAt, newLine + "property " + column.type->name + " " + column.name);
     }
     for (Eigen::Index v = 0; v < column.values.size(); ++v) {
       const double value = unit * column.values[v];
       if (own == nullptr) {
-        rewriter.insert(file.rowEnds[static_cast<std::size_t>(v)],
-                        (file.isText ? " " : "") + rewriter.textOf(*column.type, std::isnan(value) ? none : value));
+        const std::size_t end = file.rowEnds[static_cast<std::size_t>(v)];
+        rewriter.replace(end, end,
+                         (file.isText ? " " : "") + rewriter.textOf(*column.type, std::isnan(value) ? none : value));
       } else if (!std::isnan(value)) {
         rewriter.replace(*own, own->at[static_cast<std::size_t>(v)], value);
       }
@@ -176,8 +184,9 @@ void replaceColumns(const MeshFile& file, const Carried& carried, Rewriter& rewr
 }  // namespace
 
 const FileColumn* MeshFile::column(const std::string& name) const {
-  const auto found =
-      std::find_if(columns.begin(), columns.end(), [&](const FileColumn& each) { return each.name == name; });
+  const std::string meant = shortName(name);
+  const auto found = std::find_if(columns.begin(), columns.end(),
+                                  [&](const FileColumn& each) { return shortName(each.name) == meant; });
   return found == columns.end() ? nullptr : &*found;
 }
 

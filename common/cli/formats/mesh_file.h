@@ -83,11 +83,12 @@ struct MeshFile {
   // can be put into the header, and the end of each vertex's row.
   bool isText = true;
   std::vector<FileColumn> columns;
-  std::string texture;
-  std::size_t headerAt = 0;
+  std::string texture;  ///< the first one, which vertices use; its name begins at textureAt
+  std::size_t textureAt = 0, headerAt = 0;
   std::vector<std::size_t> rowEnds;
 
-  /// Returns the column of this name; null if there is none. valuesOf() returns its values, one per vertex.
+  /// Returns the column of this name, or of another one for the same; null if there is none. valuesOf() returns its
+  /// values, one per vertex.
   const FileColumn* column(const std::string& name) const;
   Eigen::VectorXd valuesOf(const FileColumn& column) const;
 

@@ -118,9 +118,9 @@ class PlyReader {
         readProperty();
       } else if (word.empty()) {
         return false;
-      } else if (word == "comment" && text_.wordOfLine() == "TextureFile") {
+      } else if (word == "comment" && text_.wordOfLine() == "TextureFile" && file().texture.empty()) {
         text_.wordOfLine();
-        const std::size_t at = text_.at();
+        const std::size_t at = file().textureAt = text_.at();
         file().texture = file().bytes.substr(at, file().bytes.find_first_of("\r\n", at) - at);
       } else if (word != "comment" && word != "obj_info") {
         text_.refuse("there is no such line in a header");

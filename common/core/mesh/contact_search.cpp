@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/surface_index.h"
 
 namespace lapedit {
@@ -162,12 +163,24 @@ void ContactSurface::Bounds::add(const Bounds& other) {
 class ContactSurface::Patches {
  public:
   explicit Patches(Eigen::Index vertices) : parent_(static_cast<std::size_t>(vertices)) {}
+  /// @param faces  whose borders count
+  Patches(Eigen::Index vertices, const Faces& faces) : Patches(vertices) {
+    at_border_.resize(parent_.size());
+    for (const auto& [a, b] : single_edges({faces.data(), faces.data() + faces.size()})) {
+      at_border_[a] = at_border_[b] = 1;
+    }
+  }
 
-  /// Returns whether the faces are connected. O(faces)
-  bool connected(const Faces& faces, const std::vector<int>& order, int first, int last) {
+  /// Returns whether the faces are connected and, unless they are few, at no border, since two sides of a slit may
+  /// overlap in their plane. O(faces)
+  bool is_patch(const Faces& faces, const std::vector<int>& order, int first, int last) {
     join(faces, order, first, last);
     const int root = find(faces(order[first], 0));
-    return std::all_of(order.begin() + first, order.begin() + last, [&](int f) { return find(faces(f, 0)) == root; });
+    return std::all_of(order.begin() + first, order.begin() + last, [&](int f) {
+      const auto face = faces.row(f);
+      return find(face[0]) == root &&
+             (last - first <= kLeaf || std::none_of(face.begin(), face.end(), [&](int v) { return at_border_[v]; }));
+    });
   }
   void join(const Faces& faces, const std::vector<int>& order, int first, int last) {
     for (int k = first; k < last; ++k) {
@@ -190,6 +203,7 @@ class ContactSurface::Patches {
 
  private:
   std::vector<int> parent_;
+  std::vector<char> at_border_;  // per vertex
 };
 
 ContactSurface::ContactSurface(Points rest, Faces moving)
@@ -226,7 +240,7 @@ void ContactSurface::add_tree(int first, const Faces& faces) {
     order_[f] = f;
   }
   if (first < count) {
-    Patches patches(rest_.rows());
+    Patches patches(rest_.rows(), faces);
     build(first, count, centres, patches);
   }
   for (int f = first; f < count; ++f) {
@@ -266,7 +280,7 @@ int ContactSurface::build(int first, int last, const Points& centres, Patches& p
   checkpoint(last - first);
   const auto node = static_cast<int>(nodes_.size());
   constexpr int kLargestPatch = 512;  // larger ones are hardly ever smooth
-  nodes_.push_back({first, last, -1, last - first <= kLargestPatch && patches.connected(faces_, order_, first, last)});
+  nodes_.push_back({first, last, -1, last - first <= kLargestPatch && patches.is_patch(faces_, order_, first, last)});
   if (last - first > kLeaf) {
     Eigen::AlignedBox3d box;
     for (int k = first; k < last; ++k) {
@@ -330,12 +344,12 @@ bool ContactSurface::may_touch(const Bounds& a, const Bounds& b) const {
   return (a.low + least <= b.high + margin_).all() && (a.high + most >= b.low - margin_).all();
 }
 
-/// Returns whether two nodes, or the same twice, are a connected patch whose normals are within a cone, before and
+/// Returns whether two nodes, or the same twice, are one patch whose normals are within a cone, before and
 /// after the motion. Of two nodes only leaves count. At rest leaves do not, since the outline of a few stretched faces
 /// may overlap.
 bool ContactSurface::is_smooth(int a, int b) const {
   constexpr double kCosine = 0.25;
-  if ((margin_ == 0 && nodes_[a].right < 0) || !nodes_[a].connected || !nodes_[b].connected ||
+  if ((margin_ == 0 && nodes_[a].right < 0) || !nodes_[a].is_patch || !nodes_[b].is_patch ||
       (a != b && (nodes_[a].right >= 0 || nodes_[b].right >= 0))) {
     return false;
   }

@@ -69,7 +69,7 @@ class ContactSurface {
   struct Node {
     int first, last;  // of order_
     int right = -1;   // second child, the first is the next node; -1: a leaf
-    bool connected;   // whether its faces are a connected patch
+    bool is_patch;    // whether its faces are connected and, unless it is a leaf, at no border
   };
   class Patches;
 

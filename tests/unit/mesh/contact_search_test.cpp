@@ -122,5 +122,26 @@ TEST(ContactSearch, SeesAFoldInOnePiece) {
   EXPECT_FALSE(folding.is_clear(folded, pool));
 }
 
+TEST(ContactSearch, SeesSidesOfASlitThatCross) {
+  TriangleMesh sheet = shapes::grid(8, 13);
+  Eigen::Index kept = 0;
+  for (Eigen::Index f = 0; f < sheet.faces.rows(); ++f) {
+    const Eigen::RowVector3d centre = sheet.vertices(sheet.faces.row(f).array(), Eigen::all).colwise().mean();
+    if (centre.x() < 3 || centre.x() > 4 || centre.y() < 2) {
+      sheet.faces.row(kept++) = sheet.faces.row(f);
+    }
+  }
+  sheet.faces.conservativeResize(kept, 3);
+  Points sheared = sheet.vertices;
+  for (Eigen::Index v = 0; v < sheared.rows(); ++v) {
+    const double beyond = sheared(v, 0) > 3.5 ? std::max(0.0, sheared(v, 1) - 2) : 0;
+    sheared(v, 0) -= std::min(beyond, 3.3);
+    sheared(v, 2) = beyond > 0 ? 0.1 * (beyond - 6.4) : 0;
+  }
+  ThreadPool pool(2);
+  EXPECT_EQ(surface(sheet).new_crossings(sheet.vertices, pool), 0);
+  EXPECT_GT(surface(sheet).new_crossings(sheared, pool), 0);
+}
+
 }  // namespace
 }  // namespace lapedit::contact_search_test
