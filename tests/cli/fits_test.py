@@ -244,6 +244,7 @@ class Fits(unittest.TestCase):
             return SCAN[0], np.where(which[:, None], reversed_faces(SCAN[1]), SCAN[1])
         wall = together(SCAN, (0.95 * SCAN[0], reversed_faces(SCAN[1])), (0, 0, 0))
         self.assertLess(error(self.fit(scan=wall)), 0.02)
+        self.assertLess(error(self.fit(mesh=(0.96 * HEAD[0], HEAD[1]), scan=wall, mode="pose")), 0.02)  # the inner one is nearer
         for scan in (together(SCAN, (0.9 * SCAN[0], SCAN[1]), (0, 0, 0)), together(SCAN, (places.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)), 0),
                      *(flipped(random.random(len(SCAN[1])) < share) for share in (0.5, 0.25)), flipped(SCAN[0][SCAN[1][:, 0], 0] > 0)):
             found = self.fit(scan=scan)

@@ -182,7 +182,7 @@ double Correspondences::turn_normals(ThreadPool& pool) {
   });
   const Eigen::Index same = (cosines.array() > with_.cosine).count();
   const Eigen::Index reversed = (cosines.array() < -with_.cosine).count();
-  side_ = reversed > 2 * same ? -1 : 1;
+  side_ = reversed > 2 * same && !scan_.is_outward() ? -1 : 1;
   return (side_ < 0 ? same : reversed) / std::max(1.0, static_cast<double>(same + reversed));
 }
 

@@ -30,7 +30,8 @@ class Correspondences {
   /// divided by it
   void update(double least, double part, ThreadPool& pool);
 
-  /// Treats the scan's normals as reversed if more than twice as many pairs have opposite normals as equal ones.
+  /// Treats the scan's normals as reversed if more than twice as many pairs have opposite normals as equal ones,
+  /// unless it is known to be outward: of a thin shell its inner side may be nearer.
   /// @return the fraction of these pairs that contradicts the decision
   double turn_normals(ThreadPool& pool);
   bool reversed() const { return side_ < 0; }

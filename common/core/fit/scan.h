@@ -28,6 +28,7 @@ class Scan {
   Scan& operator=(const Scan&) = delete;
 
   const SurfaceIndex& surface() const { return *surface_; }
+  bool is_outward() const { return outward_; }       ///< a closed mesh with a positive volume
   double spacing() const { return spacing_; }        ///< of a cloud about the distance of neighbours; 0 of a mesh
   const Matrix3& axes() const { return axes_; }      ///< principal_axes()
   const Vector3& origin() const { return origin_; }  ///< model units
@@ -39,6 +40,7 @@ class Scan {
   Matrix3 axes_;
   Vector3 origin_;
   double size_ = 1, spacing_ = 0;
+  bool outward_ = false;
   std::string name_;
 };
 
