@@ -82,7 +82,7 @@ class Fit(ProgramTest):
         self.write_edit({"region": {"component": True}, "fit": {"to": "scan.ply", "accuracy": 0},
                          "handles": [{"landmarks": {"from": "from.pp", "to": "to.pp"}}]})
         self.done("-q", self.mesh, self.out, self.edit)
-        self.assertLess(error(self.result()), 0.4 * error(DOME[0]))
+        self.assertLess(error(self.result()), 0.42 * error(DOME[0]))
 
     def test_a_cloud_with_normals(self):
         points, faces = map(np.array, scan(41))

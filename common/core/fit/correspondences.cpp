@@ -112,10 +112,14 @@ void Correspondences::gather(Direction& direction, double least) {
   }
   direction.full = given_ > 0 ? given_ : least;
   if (!(given_ > 0) && !distances.empty()) {
-    const auto at =
-        distances.begin() + static_cast<std::ptrdiff_t>(with_.most * static_cast<double>(distances.size() - 1));
-    std::nth_element(distances.begin(), at, distances.end());
-    direction.full = std::max(with_.times * *at, least);
+    const auto quantile = [&](double part) {
+      const auto at = distances.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(distances.size() - 1));
+      std::nth_element(distances.begin(), at, distances.end());
+      return *at;
+    };
+    constexpr double kOthers = 4;  // times the median: these belong to another object
+    const double most = std::min(quantile(with_.most), kOthers * quantile(0.5));
+    direction.full = std::max(with_.times * most, least);
   }
   constexpr double kCounts = 0.5;
   distances.erase(std::remove_if(distances.begin(), distances.end(),
