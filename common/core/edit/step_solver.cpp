@@ -295,19 +295,19 @@ void StepSolver::stop_at_contact() {
   const PoseFigures figures = figures_;
   const std::vector<Matrix3> rotations = rotations_;
   contact_->follow(*system_, constraints_, kSteps, [&](int step) {
-    if (step == kSteps) {
-      return plain;
+    Points pose = plain;
+    if (step < kSteps) {
+      const double part = static_cast<double>(step) / kSteps;
+      std::vector<HandleMotion> motions = motions_.handles;
+      for (HandleMotion& motion : motions) {
+        motion.fraction *= part;
+      }
+      apply(motions, motions_.fraction * part);
+      start(true);
+      correct(1);
+      pose = constraints_.start() + displacement_;
+      apply(motions_.handles, motions_.fraction);
     }
-    const double part = static_cast<double>(step) / kSteps;
-    std::vector<HandleMotion> motions = motions_.handles;
-    for (HandleMotion& motion : motions) {
-      motion.fraction *= part;
-    }
-    apply(motions, motions_.fraction * part);
-    start(true);
-    correct(1);
-    Points pose = constraints_.start() + displacement_;
-    apply(motions_.handles, motions_.fraction);
     return pose;
   });
   rotations_ = rotations;
