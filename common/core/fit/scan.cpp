@@ -10,17 +10,17 @@
 namespace lapedit {
 namespace {
 
-/// Returns the volume that a surface encloses; 0 if it has a border.
-double volume_of(const SurfaceIndex& surface) {
+/// Returns whether a surface has no border and encloses a positive volume.
+bool encloses_volume(const SurfaceIndex& surface) {
+  const Points& p = surface.points();
   double volume = 0;
   for (const auto& face : surface.faces().rowwise()) {
-    const Points& p = surface.points();
-    if (surface.is_on_border(face[0])) {
-      return 0;
+    if (surface.is_on_border(face[0]) || surface.is_on_border(face[1]) || surface.is_on_border(face[2])) {
+      return false;
     }
     volume += p.row(face[0]).dot(p.row(face[1]).cross(p.row(face[2])));
   }
-  return volume / 6;
+  return volume > 0;
 }
 
 /// Returns the faces that have an area and finite corners, each once; for a cloud, one degenerate face per finite point
@@ -86,7 +86,7 @@ Scan::Scan(const ScanData& data) : name_(data.name) {
   spacing_ = cloud ? 2 / std::sqrt(static_cast<double>(faces.rows())) : 0;
   surface_ = std::make_unique<SurfaceIndex>(std::move(points), std::move(faces),
                                             cloud ? Points(data.normals.rowwise().normalized()) : Points());
-  outward_ = !cloud && volume_of(*surface_) > 0;
+  outward_ = encloses_volume(*surface_);
 }
 
 }  // namespace lapedit

@@ -2,7 +2,6 @@
 #include "lapedit/mesh/surface_index.h"
 
 #include <Eigen/SVD>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
