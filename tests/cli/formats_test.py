@@ -191,6 +191,15 @@ class Damage(ProgramTest):
                 with self.subTest(name, number=number):
                     self.check_refusal(name, data)
 
+    def test_more_than_the_header_counts(self):
+        """The faces that are not counted would stay where they are."""
+        for name, data in files.plain_files(DOME):
+            counts = {"ply": (b"face 800", b"face 799"), "off": (b"441 800", b"441 799"), "stl": (struct.pack("<I", 801), struct.pack("<I", 799))}
+            if name[-3:] in counts and name != "text.stl":
+                self.check_refusal(name, data.replace(*counts[name[-3:]], 1))
+                (self.work / name).write_bytes(data + (bytes(100) if name.startswith("binary") else b"\r\n \n"))
+                self.assertIn("faces: 800\n", self.done("--info", name))
+
     def test_the_beginning_is_judged_before_the_rest_is_read(self):
         head = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
         for name, begin in (*(("a." + suffix, b"") for suffix in ("ply", "obj", "off", "stl")), ("header.ply", head + b"end_header\n"),

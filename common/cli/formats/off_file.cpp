@@ -150,8 +150,10 @@ MeshFile readOff(std::string bytes, bool isWhole) {
     reader.skipLine();  // may have colours
     mesh.addPolygon(corners);
   }
-  if (!isByLine && !reader.word().empty()) {
-    reader.refuse("there is more than the vertices and faces that the header counts: write one of them in each line");
+  if (!reader.word().empty()) {
+    reader.refuse(
+        "there is more than the vertices and faces that the header counts: correct the counts, or write one vertex or "
+        "face in each line");
   }
   if (columns.normal) {
     mesh.addVertexNormals(std::move(normals));

@@ -86,6 +86,11 @@ class PlyReader {
         }
       }
     }
+    if (!is_text_) {
+      requireEnd(file().bytes, at_);
+    } else if (!text_.word().empty()) {
+      text_.refuse("there is more than the rows that the header counts: correct its counts or properties");
+    }
     return finished();
   }
 

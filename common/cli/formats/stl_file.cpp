@@ -144,7 +144,8 @@ MeshFile readStl(std::string bytes, bool isWhole) {
     throw UnreadableMesh("it has " + std::to_string(bytes.size()) + " bytes, but an STL file of " +
                          std::to_string(count) + " triangles, as its header names, has " + std::to_string(size));
   }
-  Triangles triangles = readBinary(bytes, count);  // there may be more bytes at the end
+  requireEnd(bytes, size);
+  Triangles triangles = readBinary(bytes, count);
   MeshFile file = meshOf(std::move(bytes), std::move(triangles));
   file.scalar = StoredScalar::Float;
   return file;

@@ -51,6 +51,14 @@ void requireExplained(std::size_t size, double most) {
   }
 }
 
+void requireEnd(const std::string& bytes, std::size_t size) {
+  const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(size);
+  if (std::find_if_not(begin, bytes.end(), endsWord) != bytes.end()) {
+    throw UnreadableMesh("it has " + std::to_string(bytes.size()) + " bytes, but the counts in its header explain " +
+                         std::to_string(size) + ": correct them, or remove the bytes at the end");
+  }
+}
+
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian) {
   std::uint64_t bits = 0;
   for (std::size_t k = 0; k < size; ++k) {

@@ -54,6 +54,8 @@ void requireText(const std::string& bytes);
 /// @param most  number that a file with such a header may have; others may follow, but not without an end
 /// @throws UnreadableMesh if there are far more
 void requireExplained(std::size_t size, double most);
+/// @throws UnreadableMesh if other bytes than blanks and zeros follow the first `size` ones
+void requireEnd(const std::string& bytes, std::size_t size);
 
 /// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary; putBits() writes them.
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
