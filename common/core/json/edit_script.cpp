@@ -315,6 +315,14 @@ struct Keys {
     return has(key) || (to != nullptr && written);
   }
 
+  /// Handles an optional key that is `true`.
+  void chosen(const char* key, bool& value) {
+    if (has(key) && !((*from)[key].json == true)) {
+      (*from)[key].refuse_kind("true");
+    }
+    may(key, value);
+  }
+
   /// Handles a required key.
   template <class Value>
   void need(const char* key, Value& value) {
@@ -450,9 +458,9 @@ void visit_region(Keys& keys, RegionSpec& region, VertexQuery& query) {
   keys.alone("anchors", {"radius", "component", "within", "selected"}, "kept anchors go with the key vertices only.");
   const bool has_radius = keys.may("radius", region.radius, region.kind == Kind::Radius);
   keys.may("vertices", region.vertices, is_set && query.empty());
-  keys.may("component", is_component);
+  keys.chosen("component", is_component);
   keys.may("within", query.within);
-  keys.may("selected", query.selected);
+  keys.chosen("selected", query.selected);
   region.kind = has_radius ? Kind::Radius : is_component ? Kind::Component : Kind::Vertices;
   keys.may("padding", region.padding, !is_component);
   keys.may("connect", region.connect_gap, region.connect_gap != 0);
@@ -482,7 +490,7 @@ void visit(Keys& keys, FitStep& fit) {
     inside.may("vertices", fit.exclude);
     FaceNumbers numbers = {fit.exclude_faces};
     inside.may("scan_faces", numbers, !fit.exclude_faces.empty());
-    inside.may("scan_selected", fit.exclude_selected);
+    inside.chosen("scan_selected", fit.exclude_selected);
     if (inside.from != nullptr && !inside.has("vertices") && !inside.has("scan_faces") &&
         !inside.has("scan_selected")) {
       inside.from->refuse("needs vertices, scan_faces or scan_selected.");
@@ -527,7 +535,7 @@ void visit(Keys& keys, HandleGroup& handle) {
   keys.may("vertices", handle.vertices, query.empty());
   keys.may("points", query.points);
   keys.may("within", query.within);
-  keys.may("selected", query.selected);
+  keys.chosen("selected", query.selected);
   keys.may("landmarks", landmarks, false);  // points and targets are written
   keys.may("weights", handle.weights);
   keys.may("targets", handle.targets);

@@ -209,10 +209,10 @@ void JsonValue::require_object(const std::vector<const char*>& known_keys, const
 }
 
 void read(const JsonValue& value, bool& flag) {
-  if (!(value.json == true)) {
-    value.refuse_kind("true");
+  if (!value.json.is_boolean()) {
+    value.refuse_kind("true or false");
   }
-  flag = true;
+  flag = value.json == true;
 }
 
 void read(const JsonValue& value, int& number) {

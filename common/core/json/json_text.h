@@ -69,7 +69,7 @@ struct JsonValue {
 
 using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
-void read(const JsonValue& value, bool& flag);   ///< accepts `true` only
+void read(const JsonValue& value, bool& flag);
 void read(const JsonValue& value, int& number);  ///< from 0 to the largest int
 void read(const JsonValue& value, double& number);
 void read(const JsonValue& value, std::string& text);

@@ -138,6 +138,19 @@ TEST(EditScript, RoundTripKeepsEveryBit) {
   }
 }
 
+TEST(EditScript, SwitchesCanHaveTheirDefault) {
+  const auto script = [](const char* in_region, const char* in_fit, const char* in_step) {
+    return std::string(R"({"laplacian_edit": 1, "steps": [{"region": {"radius": 1)") + in_region +
+           R"(}, "handles": [{"vertices": "3"}])" + in_step +
+           R"(}, {"region": {"component": true}, "fit": {"to": "a.ply")" + in_fit + "}}]}";
+  };
+  const Edit plain = read_edit(script("", "", ""));
+  EXPECT_TRUE(
+      same(read_edit(script(R"(, "tips": false, "pieces": false)", R"(, "borders": false)", R"(, "contact": false)")),
+           plain));
+  EXPECT_FALSE(same(read_edit(script(R"(, "tips": true)", "", "")), plain));
+}
+
 /// Soft handles, a mirror plane and connected pieces; files without them do not mention them.
 TEST(EditScript, OptionalKeysAreWrittenWhereTheyAreUsed) {
   Edit edit = read_edit(
