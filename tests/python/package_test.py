@@ -348,6 +348,8 @@ class Refusals(unittest.TestCase):
             "two steps in an editor": (lambda: Editor(points, faces, {"steps": [PULL, PULL]}), "steps", "has 2"),
             "handles for other groups": (lambda: Editor(points, faces, PULL).pose([{}, {}]), "handles", "there are 2"),
             "handles of other vertices": (lambda: Editor(points, faces, PULL).pose({"vertices": 3}), "handles[0]", "not the vertices"),
+            "other weights": (lambda: Editor(points, faces, PULL).pose({"translation": [0, 0, 1], "weights": [0.5]}), "handles[0]",
+                              "not the weights"),
             "NaN in handles": (lambda: Editor(points, faces, PULL).pose({"translation": [numpy.nan, 0, 0]}),
                                "handles[0].translation[0]", "nan"),
             "a report before a pose": (lambda: Editor(points, faces, PULL).report, "report", "no pose yet"),
@@ -511,7 +513,8 @@ class Editing(unittest.TestCase):
         editor = Editor(points, faces, PULL)
         for fraction in (1.0, 0, 0.25, 1):
             expected = edit(points, faces, {"steps": [PULL]}, fraction=fraction)
-            numpy.testing.assert_array_equal(editor.pose(fraction), expected.vertices)
+            for pose in (editor.pose(fraction), editor.pose(fraction=fraction), editor.pose(1, fraction=fraction)):
+                numpy.testing.assert_array_equal(pose, expected.vertices)
             self.assertEqual(figures(editor.report), figures(expected.report))
         down = {"steps": [{**PULL, "handles": [{"vertices": 220, "translation": [0, 0, -2], "scale": 1}]}]}
         for handles in ({"translation": [0, 0, -2]}, [{"translation": numpy.array([0, 0, -2])}],

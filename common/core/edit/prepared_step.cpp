@@ -67,16 +67,20 @@ void PreparedStep::move(const EditStep& step) {
   EditStep given = step;
   given.mirror = options_.mirror;
   given.region = {};
-  const EditStep next = whole(given);
+  EditStep next = whole(given);
   for (std::size_t g = 0; g < next.handles.size() || g < step_.handles.size(); ++g) {
-    if (next.handles.size() != step_.handles.size() || next.handles[g].vertices != step_.handles[g].vertices) {
+    const bool is_same = next.handles.size() == step_.handles.size() &&
+                         next.handles[g].vertices == step_.handles[g].vertices &&
+                         (next.handles[g].weights.empty() || next.handles[g].weights == step_.handles[g].weights);
+    if (!is_same) {
       throw EditError(ErrorCause::BadParameter,
                       entry_key("handles", g) +
-                          ": these are not the vertices that the step was prepared for: "
+                          ": these are not the vertices, or not the weights, that the step was prepared for: "
                           "give the step's own handle groups in their order, with other motions; for other vertices "
-                          "prepare another step.")
+                          "or weights prepare another step.")
           .at(entry_key("handles", g));
     }
+    next.handles[g].weights = step_.handles[g].weights;
   }
   step_.handles = next.handles;
 }

@@ -34,8 +34,8 @@ class PreparedStep {
   std::shared_ptr<const LaplacianSystem> system() const { return solver_ ? solver_->system() : nullptr; }
 
   /// Replaces the motions of the groups. @param step  as for the constructor; only its handles count
-  /// @throws EditError as the constructor; (BadParameter) if a group has other vertices than before. The motions are
-  ///         then as before
+  /// @throws EditError as the constructor; (BadParameter) if a group has other vertices than before, or other
+  ///         weights where it has any. The motions are then as before
   void move(const EditStep& step);
   /// Computes a pose. Requires prepare().
   /// @param vertices   out: the region's vertices, and all others at their places

@@ -173,7 +173,7 @@ class Editor:
                 each handle group of the step, in its order, with translation, rotation, scale, matrix or targets, as in the
                 step; a dict alone for a step with one group. A group without these holds its position. Its vertices need
                 not be repeated.
-            fraction: with handles, how far they go on their paths.
+            fraction: how far of that the handles go on their paths.
             progress: as for edit().
 
         Returns:
@@ -189,7 +189,7 @@ class Editor:
                                   "each, in the step's order.")
             text = self._moved(handles)
         else:
-            fraction, text = _fraction(pose), b""
+            fraction, text = _fraction(pose) * _fraction(fraction), b""
         return self._mesh.result(*self._core.pose(_fraction(fraction), text, _progress(progress)))
 
     def _moved(self, handles: List[Mapping[str, Any]]) -> bytes:
