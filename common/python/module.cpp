@@ -334,17 +334,22 @@ class Editor {
   nb::tuple pose(double fraction, const nb::bytes& handles, const nb::object& progress) {
     std::vector<int> vertices;
     Points positions;
-    attend(progress, [&, text = string_of(handles)] {
-      const Turn turn(*this);
-      move_to(text);
-      report_.clear();
-      is_posed_ = false;
-      step_->pose(fraction, vertices_, positions_);
-      vertices = vertices_;
-      positions = positions_;
-      fraction_ = fraction;
-      is_posed_ = true;
-    });
+    try {
+      attend(progress, [&, text = string_of(handles)] {
+        const Turn turn(*this);
+        move_to(text);
+        report_.clear();
+        is_posed_ = false;
+        step_->pose(fraction, vertices_, positions_);
+        vertices = vertices_;
+        positions = positions_;
+        fraction_ = fraction;
+        is_posed_ = true;
+      });
+    } catch (const nb::python_error&) {
+      is_posed_ = false;  // the last call of the progress function cancelled a complete pose
+      throw;
+    }
     return nb::make_tuple(array_of(std::move(vertices)), array_of(std::move(positions)));
   }
 
@@ -456,7 +461,8 @@ class Editor {
   std::unique_ptr<PreparedStep> step_;
   std::timed_mutex mutex_;  // of all below, and of the poses of step_
   std::atomic<std::thread::id> user_{};
-  bool is_moved_ = false, is_posed_ = false;
+  bool is_moved_ = false;
+  std::atomic<bool> is_posed_{false};
   double fraction_ = 0;
   std::vector<int> vertices_;
   Points positions_;

@@ -661,6 +661,11 @@ class Editing(unittest.TestCase):
 
         with self.assertRaises(Enough):
             edit(points, faces, {"steps": [step]}, progress=stop)
+        editor = Editor(*grid(), PULL)  # so small that only the last call of the progress function comes
+        with self.assertRaises(Enough):
+            editor.pose(progress=stop)
+        with self.assertRaisesRegex(EditRefused, "no pose yet"):
+            editor.report
 
     @unittest.skipIf(sys.platform == "win32", "no signals")
     def test_ctrl_c(self):
