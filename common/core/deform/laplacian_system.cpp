@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -277,15 +278,21 @@ void Preparation::factorise(bool reuse) {
 /// order 1, a small fraction of the cost of order k.
 void Preparation::refuse_the_hopeless() const {
   constexpr double kUnitRoundoff = 0x1p-53, kHopeless = 1e4, kHopelessMembrane = 20;
+  constexpr int kIterations = 6;
   const int order = s_.settings.order;
   if (order == 1 || s_.region.size() * static_cast<double>(order * order) < kLongFactor) {
     return;
   }
-  std::shared_ptr<const FactoredNormalMatrix> first;
-  factorise_for(s_.region, [&] {
-    first = std::make_shared<const FactoredNormalMatrix>(s_.powers.first, factor_weights_, cholesky_options(false));
-  });
-  const double smallest = RefinedSolver(first, nullptr, s_.pool).smallest_eigenvalue();
+  std::optional<FactoredNormalMatrix> first;
+  factorise_for(s_.region, [&] { first.emplace(s_.powers.first, factor_weights_, cholesky_options(false)); });
+  Points vector = Points::Ones(s_.region.size(), 3), next;
+  double smallest = 0;  // from above, by inverse iterations
+  for (int k = 0; k < kIterations; ++k) {
+    vector /= vector.norm();
+    first->cholesky.solve(vector, next);
+    smallest = 1 / next.norm();
+    vector.swap(next);
+  }
   const double bending = std::pow(smallest, 0.5 * order);
   const double membrane = s_.powers.stretch.size() > 0 ? s_.powers.stretch.mean() : 0;
   if (!(kUnitRoundoff < bending * (kHopeless * bending + kHopelessMembrane * membrane))) {

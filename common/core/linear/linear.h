@@ -162,10 +162,6 @@ class RefinedSolver {
   /// the first call.
   void solve(Points& right, Points& x);
 
-  /// Returns an upper bound of the smallest eigenvalue of A0, by a few inverse iterations. Cost: six solves.
-  double smallest_eigenvalue();
-
-  SparseCholesky& cholesky() { return cholesky_; }  ///< of A0
   const FactoredNormalMatrix& matrix() const { return *matrix_; }
 
  private:

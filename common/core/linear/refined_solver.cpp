@@ -56,19 +56,6 @@ RefinedSolver::RefinedSolver(std::shared_ptr<const FactoredNormalMatrix> matrix,
       cholesky_(matrix_->cholesky, pool_),
       at_rows_(correction_->k.rows(), 3) {}
 
-double RefinedSolver::smallest_eigenvalue() {
-  constexpr int kIterations = 6;
-  Points vector = Points::Ones(matrix_->squared_weights.size(), 3), next;
-  double smallest = 0;
-  for (int k = 0; k < kIterations; ++k) {
-    vector /= vector.norm();
-    cholesky_.solve(vector, next);
-    smallest = 1 / next.norm();
-    vector.swap(next);
-  }
-  return smallest;
-}
-
 int RefinedSolver::refine_to(const Points& right, Points& x, double accurate) {
   // A factor in single precision that converges more slowly than kSlow is rejected; one in double precision is the last
   // resort. The first step says little: on 3,000,000 vertices the second change was a tenth of the first, the third

@@ -71,17 +71,9 @@ TEST(RefinedSolver, AgreesWithADenseSolve) {
   for (const bool single : {false, true}) {
     RefinedSolver solver(p.factored(p.known, single), nullptr, p.pool);
     Points coarse;
-    EXPECT_GE(solver.refine_to(p.right, coarse, 1e-8), single && solver.cholesky().single_precision() ? 1 : 0);
+    EXPECT_GE(solver.refine_to(p.right, coarse, 1e-8), single && solver.matrix().cholesky.single_precision() ? 1 : 0);
     EXPECT_LT((coarse - expected).norm(), 1e-7 * expected.norm());
   }
-}
-
-TEST(RefinedSolver, FindsTheSmallestEigenvalueFromAbove) {
-  const Problem p;
-  const double smallest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(p.dense_known).eigenvalues()[0];
-  const double found = RefinedSolver(p.factored(p.known), nullptr, p.pool).smallest_eigenvalue();
-  EXPECT_GE(found, (1 - 1e-6) * smallest);
-  EXPECT_LT(found, 1.1 * smallest);
 }
 
 /// Fails if the correction forgets a row or a weight.
