@@ -38,28 +38,20 @@ StepPath path_of(const EditStep& step) {
   return path;
 }
 
-/// Meshes with the faces of mesh() that no thread reads any more, each with the vertices at which it may differ from
-/// mesh().
+/// Meshes with the faces of mesh() that no thread reads any more, so that steps copy positions only.
 struct History::Spares {
-  struct Spare {
-    std::unique_ptr<TriangleMesh> mesh;
-    std::vector<int> stale;  // ascending
-    int version;             // the number of changes that `stale` takes into account
-  };
-
   static constexpr std::size_t kMost = 4;
 
   /// Makes the meshes for the first steps, since after each step other threads still read the previous mesh.
   explicit Spares(const TriangleMesh& mesh) {
     list.reserve(kMost);  // so that giving back does not throw
     for (int k = 0; k < 3; ++k) {
-      list.push_back({std::make_unique<TriangleMesh>(mesh), {}, 0});
+      list.push_back(std::make_unique<TriangleMesh>(mesh));
     }
   }
 
   std::mutex mutex;
-  std::vector<Spare> list;                // under the mutex
-  std::vector<std::vector<int>> changes;  // of mesh() so far, each ascending; for the window's thread only
+  std::vector<std::unique_ptr<TriangleMesh>> list;  // under the mutex
 };
 
 History::History(TriangleMesh original)
@@ -67,52 +59,31 @@ History::History(TriangleMesh original)
       mesh_(original_),
       spares_(std::make_shared<Spares>(*mesh_)) {}
 
-/// Returns a mesh equal to mesh(). @param to_change  the vertices that the caller is going to change in it
-std::shared_ptr<TriangleMesh> History::current(std::vector<int> to_change) const {
+std::shared_ptr<const TriangleMesh> History::with(const std::vector<int>& vertices, const Points& positions) const {
   std::unique_ptr<TriangleMesh> mesh;
-  const int version = static_cast<int>(spares_->changes.size());
-  {
-    std::unique_lock<std::mutex> lock(spares_->mutex);
-    if (!spares_->list.empty()) {
-      Spares::Spare spare = std::move(spares_->list.back());
-      spares_->list.pop_back();
-      lock.unlock();
-      mesh = std::move(spare.mesh);
-      for (auto k = static_cast<std::size_t>(spare.version); k < spares_->changes.size(); ++k) {
-        spare.stale = united(spare.stale, spares_->changes[k]);
-      }
-      for (const int v : spare.stale) {
-        mesh->vertices.row(v) = mesh_->vertices.row(v);
-      }
-    }
+  if (const std::lock_guard<std::mutex> lock(spares_->mutex); !spares_->list.empty()) {
+    mesh = std::move(spares_->list.back());
+    spares_->list.pop_back();
   }
-  if (mesh == nullptr) {
+  if (mesh != nullptr) {
+    mesh->vertices = mesh_->vertices;
+  } else {
     mesh = std::make_unique<TriangleMesh>(*mesh_);
   }
+  scatter(vertices, positions, mesh->vertices);
   // The last reader gives the mesh back, on any thread.
-  const auto give_back = [spares = spares_, version,
-                          stale = sorted_set(std::move(to_change))](TriangleMesh* read) mutable {
+  const auto give_back = [spares = spares_](TriangleMesh* read) {
     std::unique_ptr<TriangleMesh> owned(read);
     const std::lock_guard<std::mutex> lock(spares->mutex);
     if (spares->list.size() < Spares::kMost) {
-      spares->list.push_back({std::move(owned), std::move(stale), version});
+      spares->list.push_back(std::move(owned));
     }
   };
   return {mesh.release(), give_back};
 }
 
-void History::put(const std::vector<int>& vertices, const Points& positions) {
-  // current() needs no list of vertices: `changes` has those at which the next version differs from this one.
-  auto changed = current({});
-  scatter(vertices, positions, changed->vertices);
-  spares_->changes.push_back(sorted_set(vertices));
-  mesh_ = std::move(changed);
-}
-
 std::shared_ptr<const TriangleMesh> History::before_last() const {
-  auto mesh = current(steps_.back().vertices);
-  scatter(steps_.back().vertices, steps_.back().before, mesh->vertices);
-  return mesh;
+  return with(steps_.back().vertices, steps_.back().before);
 }
 
 Edit History::recorded() const {
@@ -134,7 +105,7 @@ const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Poin
   undone_.clear();
   path = path ? std::move(path) : path_of(step);
   Points before = gather(mesh_->vertices, vertices);
-  put(vertices, after);
+  mesh_ = with(vertices, after);
   steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), std::move(*path)});
   return steps_.back();
 }
@@ -147,14 +118,14 @@ void History::set_faces(Faces faces) {
 const AppliedStep& History::undo() {
   undone_.push_back(std::move(steps_.back()));
   steps_.pop_back();
-  put(undone_.back().vertices, undone_.back().before);
+  mesh_ = with(undone_.back().vertices, undone_.back().before);
   return undone_.back();
 }
 
 const AppliedStep& History::redo() {
   steps_.push_back(std::move(undone_.back()));
   undone_.pop_back();
-  put(steps_.back().vertices, steps_.back().after);
+  mesh_ = with(steps_.back().vertices, steps_.back().after);
   return steps_.back();
 }
 

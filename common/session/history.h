@@ -32,9 +32,9 @@ StepPath path_of(const EditStep& step);
 
 /// A mesh and the steps applied to it. Undo restores stored positions, so it is exact to the bit.
 ///
-/// A mesh is never changed while another thread may be reading it. A change takes a mesh that no thread reads any more
-/// and updates it, O(changes); it copies the mesh only if there is none. References that are handed out last
-/// until the next change.
+/// A mesh is never changed while another thread may be reading it: a step copies the positions into a mesh that no
+/// thread reads any more, and the whole mesh only if there is none. References that are handed out last until the next
+/// change.
 class History {
  public:
   explicit History(TriangleMesh original);
@@ -62,8 +62,8 @@ class History {
 
  private:
   struct Spares;
-  std::shared_ptr<TriangleMesh> current(std::vector<int> to_change) const;
-  void put(const std::vector<int>& vertices, const Points& positions);
+  /// Returns a copy of mesh() with other positions of some vertices.
+  std::shared_ptr<const TriangleMesh> with(const std::vector<int>& vertices, const Points& positions) const;
 
   std::shared_ptr<const TriangleMesh> original_, mesh_;
   std::shared_ptr<Spares> spares_;
