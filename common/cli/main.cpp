@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "failure.h"
 #include "files/files.h"
 #include "files/system.h"
 #include "formats/text_reader.h"
@@ -20,8 +19,8 @@
 #include "lapedit/edit/fit_step.h"
 #include "lapedit/edit/self_intersections.h"
 #include "lapedit/json/edit_script.h"
+#include "lapedit/json/json_text.h"
 #include "lapedit/json/landmarks.h"
-#include "lapedit/json/report_json.h"
 #include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/mesh/triangle_mesh.h"
 #include "lapedit/mesh/vertex_set.h"

@@ -11,7 +11,6 @@
 #include <sstream>
 #include <utility>
 
-#include "failure.h"
 #include "files/files.h"
 #include "transfer.h"
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <iterator>
 
-#include "failure.h"
+#include "files/files.h"
 #include "lapedit/fit/carry_over.h"
 
 namespace {

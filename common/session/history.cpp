@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/session/history.h"
+#include "lapedit/session/session_model.h"
 
 #include <mutex>
 #include <utility>

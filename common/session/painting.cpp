@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/session/painting.h"
+#include "lapedit/session/selection.h"
 
 #include <algorithm>
 #include <utility>

@@ -10,7 +10,6 @@
 #include <system_error>
 #include <utility>
 
-#include "failure.h"
 #include "lapedit/mesh/coordinate_space.h"
 
 namespace fs = std::filesystem;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/cells/coarse_system.h"
+#include "lapedit/cells/cell_pose.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "lapedit/cells/cell_packing.h"
 #include "lapedit/deform/differential_operator.h"
 #include "lapedit/deform/laplacian_system.h"
 #include "lapedit/mesh/vertex_set.h"

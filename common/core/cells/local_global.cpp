@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/cells/local_global.h"
+#include "lapedit/cells/cell_pose.h"
 
 #include <algorithm>
 #include <cmath>

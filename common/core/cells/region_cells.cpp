@@ -10,8 +10,6 @@
 #include <utility>
 
 #include "lapedit/base/simd.h"
-#include "lapedit/cells/cell_packing.h"
-#include "lapedit/cells/surface_metric.h"
 #include "lapedit/mesh/surface_index.h"
 
 namespace lapedit {

@@ -84,4 +84,42 @@ class CellSurface {
   std::vector<Vector2> slope_;
 };
 
+// Of cell_packing.cpp.
+
+/// Returns the handle groups that have cells of their own, ascending: all, or the largest ones if there are more than
+/// 400 groups, since each group would need a cell. Vertices of the others are like free vertices for the cells.
+/// O(vertices)
+std::vector<int> groups_with_cells(const Region& region);
+
+/// Divides a region into patches of neighbouring vertices that are about as wide as long, whatever the shape of the
+/// triangles.
+///
+/// Seeds are packed along the surface: from the boundaries of the handles outwards and inwards, each vertex that is
+/// farther than the local spacing from all earlier seeds becomes a seed. A cell consists of the vertices that are
+/// nearest to its seed along edges. The spacing grows with the distance from the handles, and towards the inside of
+/// rigid groups and of the anchor band, where rotations do not vary. Vertices at the same distance from the handles are
+/// sorted by their distance from the region's middle, then by the edges around them and the nearest group, then by
+/// coordinates, and by number only if coordinates are equal. Two vertices that are each other's mirror images and near
+/// each other begin one cell. Neighbouring groups of groups_with_cells() have cells of their own. The result is the
+/// same for any number of threads.
+/// @param rest    size() x 3, the region's rest pose about a local origin
+/// @param target  wanted number of cells; the part that is not rigid has at most one cell per five vertices
+/// @param of      out: the cell of each vertex of the region
+/// @return        the number of cells, close to `target`
+/// Cost: O(edges).
+int pack_cells(const Region& region, const Points& rest, int target, ThreadPool& pool, std::vector<int>& of);
+
+// Of surface_metric.cpp.
+
+/// Computes RegionCells::curvature and metric: for each cell a symmetric matrix of determinant 1. Along the surface,
+/// lengths are up to 1.26 times shorter in the direction of the largest curvature and longer across it. Curvature is
+/// that of the cells, so details have none. This makes limbs stiff around their axis, so that they stay round when they
+/// are bent or twisted. On flat and on round surfaces all matrices are the identity.
+/// @param size  the region's, see size_of(). Cost: O(cells).
+void measure_metric(double size, RegionCells& cells);
+
+/// Returns the metric of each vertex of a region, blended from cells that depend on neither handles nor anchors.
+/// Cost: O(edges).
+std::vector<Matrix3> surface_metric(const Region& region, const Points& rest, ThreadPool& pool);
+
 }  // namespace lapedit

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/cells/surface_metric.h"
+#include "lapedit/cells/region_cells.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

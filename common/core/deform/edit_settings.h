@@ -41,8 +41,8 @@ struct EditSettings {
   /// it, 30 keeps a single vertex within 0.02 to 0.1 % of its displacement from its target.
   double handle_weight = 30;
   double anchor_weight = 30;  ///< an anchor's weight is this times d / d_max
-  /// Factor of the surface's distance from the fair surface through anchors and handles, see fair_surface.h: 0 removes
-  /// details, 2 exaggerates them.
+  /// Factor of the surface's distance from the fair surface through anchors and handles, see fair_displacement(): 0
+  /// removes details, 2 exaggerates them.
   double detail = 1;
   int iterations = 0;        ///< passes of EditMethod::Default; 0: chosen from the region
   double normal_radius = 0;  ///< of EditMethod::Paper: r of the smoothing, model units; 0: automatic

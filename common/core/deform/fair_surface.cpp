@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lapedit/deform/fair_surface.h"
-
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/progress.h"
+#include "lapedit/deform/laplacian_system.h"
 
 namespace lapedit {
 namespace {

@@ -11,7 +11,6 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/differential_operator.h"
-#include "lapedit/deform/fair_surface.h"
 #include "lapedit/deform/smooth_normals.h"
 #include "lapedit/linear/linear.h"
 

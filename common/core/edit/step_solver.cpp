@@ -10,7 +10,6 @@
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/base/whole_part.h"
-#include "lapedit/cells/surface_metric.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit_step.h"
 #include "lapedit/mesh/surface_index.h"

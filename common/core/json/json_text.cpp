@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 namespace lapedit {
 namespace {
@@ -102,6 +104,18 @@ void read_numbers(const JsonValue& value, double* numbers, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
     read(value[k], numbers[k]);
   }
+}
+
+Json json_of(const Figure::Value& value) {
+  return std::visit(
+      [](const auto& known) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(known)>, std::monostate>) {
+          return Json();
+        } else {
+          return Json(known);
+        }
+      },
+      value);
 }
 
 }  // namespace
@@ -268,6 +282,26 @@ int read_choice(const JsonValue& value, const std::vector<const char*>& names) {
     list += (k == 0 ? "\"" : ", \"") + std::string(names[k]) + "\"";
   }
   value.refuse_kind("one of " + list);
+}
+
+Json report_json(const std::vector<EditReport>& steps) {
+  Json all = Json::array();
+  for (const EditReport& report : steps) {
+    Json step;
+    for (const Figure& figure : report_table()) {
+      const std::string key = figure.key == nullptr ? "" : figure.key;
+      if (!key.empty() && (report.fit || key.rfind("fit/", 0) != 0)) {
+        step[Json::json_pointer("/" + key)] = json_of(figure.get(report));
+      }
+    }
+    step["fit"];  // null for a step without a fit
+    step["landmarks"] = Json::array();
+    for (const LandmarkResidual& one : report.landmarks) {
+      step["landmarks"].push_back({{"name", one.name}, {"vertex", one.vertex}, {"residual", one.residual}});
+    }
+    all.push_back(std::move(step));
+  }
+  return all;
 }
 
 }  // namespace lapedit

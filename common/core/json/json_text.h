@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lapedit/base/error.h"
+#include "lapedit/deform/edit_report.h"
 
 /// Reads JSON from users' files, and formats values for messages.
 namespace lapedit {
@@ -85,5 +86,8 @@ Value value_of(const JsonValue& value) {
 }
 /// Returns the index of a text in a list of names. @throws EditError (BadScript) that lists the names
 int read_choice(const JsonValue& value, const std::vector<const char*>& names);
+
+/// Returns a list with an object for each step: the figures of report_table() and `landmarks`.
+Json report_json(const std::vector<EditReport>& steps);
 
 }  // namespace lapedit

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "allocation_watch.h"
-#include "lapedit/cells/cell_packing.h"
 #include "lapedit/cells/small_cholesky.h"
 #include "shapes.h"
 #include "support.h"

@@ -6,7 +6,7 @@
 
 #include "drag_support.h"
 #include "lapedit/mesh/vertex_set.h"
-#include "lapedit/session/painting.h"
+#include "lapedit/session/selection.h"
 #include "play.h"
 
 // What is painted as a whole, the lasso, curves of the handle's fall-off, and drags about a pivot.
