@@ -26,7 +26,6 @@
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/mesh/vertex_tree.h"
 #include "options.h"
-#include "transfer.h"
 
 using namespace lapedit;
 namespace fs = std::filesystem;

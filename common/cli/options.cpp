@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "files/files.h"
-#include "transfer.h"
 
 namespace fs = std::filesystem;
 
@@ -227,8 +226,8 @@ void takeTransfer(const Words& words, Options& options) {
     for (std::string name; std::getline(list, name, ',');) {
       if (!isTransferable(name) ||
           std::find(options.transfer.begin(), options.transfer.end(), name) != options.transfer.end()) {
-        refuse("The option --transfer has " + quotedPath(words.value("--transfer")) + ": give some of " +
-               transferable() + ", with commas.");
+        refuse("The option --transfer has " + quotedPath(words.value("--transfer")) +
+               ": give some of colour, quality, uv, with commas.");
       }
       options.transfer.push_back(name);
     }

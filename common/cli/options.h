@@ -36,6 +36,15 @@ struct Options {
 /// @throws Failure (WrongUsage)
 std::optional<Options> readOptions(const std::vector<std::string>& arguments, std::string& text);
 
+/// Returns whether --transfer can name it.
+bool isTransferable(const std::string& what);
+
+/// Returns what --transfer names of a scan, at its points nearest to others.
+/// @param within  up to which distance; none: 2 % of the scan's size
+/// @throws Failure (Unreadable) if the scan has no such column
+Carried carriedFrom(const MeshFile& scan, const std::vector<std::string>& names, const lapedit::Points& at,
+                    std::optional<double> within);
+
 /// Refuses an output or report that is the file of another one, or that the call also reads, through links of any kind.
 /// The only output may replace the mesh. @param named  files that the edit names; readOptions() calls this without them
 /// @throws Failure (WrongUsage)

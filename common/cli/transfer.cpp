@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "transfer.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
 
 #include "files/files.h"
 #include "lapedit/fit/carry_over.h"
+#include "options.h"
 
 namespace {
 
@@ -34,10 +33,6 @@ bool take(const MeshFile& scan, const Attribute& attribute, std::vector<CarriedC
 }
 
 }  // namespace
-
-std::string transferable() {
-  return "colour, quality, uv";
-}
 
 bool isTransferable(const std::string& what) {
   return std::any_of(std::begin(kAttributes), std::end(kAttributes),
