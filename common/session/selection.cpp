@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "lapedit/base/error.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
@@ -160,8 +160,8 @@ void validate(const DragSettings& settings) {
       {"brush's radius", static_cast<double>(settings.brush_pixels), 1, 1000, "1 to 1000 pixels"}};
   for (const auto& range : ranges) {
     if (!(range.value >= range.low && range.value <= range.high)) {
-      throw EditError(ErrorCause::BadParameter,
-                      format_text(messages::kOutOfRange, range.what, range.value, range.wanted));
+      refuse_edit(ErrorCause::BadParameter, {},
+                  format_text(messages::kOutOfRange, range.what, range.value, range.wanted));
     }
   }
 }

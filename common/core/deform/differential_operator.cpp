@@ -7,9 +7,8 @@
 #include <cmath>
 #include <string>
 
-#include "lapedit/base/error.h"
-#include "lapedit/base/format_text.h"
 #include "lapedit/base/progress.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/deform/intrinsic_triangulation.h"
 #include "lapedit/mesh/surface_index.h"
 #include "lapedit/mesh/vertex_set.h"
@@ -336,13 +335,10 @@ void refuse_fans(const Region& region, int order, int longest) {
   }
   if (entries > kMost + kMostPerVertex * region.size()) {
     const int vertex = region.mesh_vertex[largest];
-    throw EditError(ErrorCause::BadParameter,
-                    "Vertex " + std::to_string(vertex) + " has " + std::to_string(region.neighbours[largest].size()) +
-                        " neighbours. With such fans of triangles the equations of order " + std::to_string(order) +
-                        " have about " + number_text(entries) +
-                        " entries, which is too much memory: " + (order > 1 ? "use order 1, " : "") +
-                        "remesh the fans (in MeshLab: Isotropic Explicit Remeshing), or give a region without them.",
-                    vertex);
+    refuse_edit(ErrorCause::BadParameter, {{}, vertex}, "Vertex ", vertex, " has ", region.neighbours[largest].size(),
+                " neighbours. With such fans of triangles the equations of order ", order, " have about ", entries,
+                " entries, which is too much memory: ", (order > 1 ? "use order 1, " : ""),
+                "remesh the fans (in MeshLab: Isotropic Explicit Remeshing), or give a region without them.");
   }
 }
 

@@ -6,8 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "lapedit/base/error.h"
-#include "lapedit/base/format_text.h"
+#include "lapedit/base/refuse.h"
 
 namespace lapedit {
 namespace {
@@ -137,22 +136,17 @@ void validate(const EditSettings& settings) {
   for (const Setting& setting : settings_table()) {
     const double value = setting.get(settings);
     if (!(value >= setting.low && value <= setting.high)) {
-      throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject + " is " + number_text(value) +
-                                                    ": give " + setting.range + ".")
-          .at(setting.key);
+      refuse_edit(ErrorCause::BadParameter, {setting.key}, "The ", setting.subject, " is ", value, ": give ",
+                  setting.range, ".");
     }
     if (!setting.applies(settings.method) && value != setting.get(EditSettings())) {
-      throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject +
-                                                    " has no meaning with the method " + name(settings.method) +
-                                                    ": leave it out, or use the method " + name(*setting.only) + ".")
-          .at(setting.key);
+      refuse_edit(ErrorCause::BadParameter, {setting.key}, "The ", setting.subject, " has no meaning with the method ",
+                  name(settings.method), ": leave it out, or use the method ", name(*setting.only), ".");
     }
     const double usual = setting.get(EditSettings::of(settings.method));
     if (setting.fixed == settings.method && value != usual) {
-      throw EditError(ErrorCause::BadParameter, std::string("The ") + setting.subject + " is " + number_text(value) +
-                                                    ", but the method " + name(settings.method) + " has " +
-                                                    number_text(usual) + " only: leave it out, or use another method.")
-          .at(setting.key);
+      refuse_edit(ErrorCause::BadParameter, {setting.key}, "The ", setting.subject, " is ", value, ", but the method ",
+                  name(settings.method), " has ", usual, " only: leave it out, or use another method.");
     }
   }
 }

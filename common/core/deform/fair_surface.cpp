@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/progress.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/deform/laplacian_system.h"
 
 namespace lapedit {
@@ -85,10 +85,9 @@ Points fair_displacement(const LaplacianSystem& system) {
   constexpr double kAccurateEnergy = 1e-11;
   constexpr int kMostSteps = 200;
   if (!system.all_anchored()) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The detail can only change in a region with a boundary, between vertices that stay: choose a "
-                    "smaller region, or paint fixed vertices.")
-        .at("detail");
+    refuse_edit(ErrorCause::BadParameter, {"detail"},
+                "The detail can only change in a region with a boundary, between vertices that stay: choose a "
+                "smaller region, or paint fixed vertices.");
   }
   Bending bending(system);
   RefinedSolver preconditioner(system.matrix, system.correction, system.pool);

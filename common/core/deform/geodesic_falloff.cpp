@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include "lapedit/base/error.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/geodesic.h"
 
 namespace lapedit {
@@ -28,10 +28,9 @@ GeodesicFalloff geodesic_falloff(const Region& region, const Points& points) {
   const int groups = 1 + *std::max_element(region.group.begin(), region.group.end());
   constexpr double kMost = 1e8;  // distances, of 8 bytes
   if (static_cast<double>(groups) * region.size() > kMost) {
-    throw EditError(ErrorCause::BadParameter,
-                    std::to_string(groups) + " handle groups and " + std::to_string(region.size()) +
-                        " region vertices are too many for the rough deformation \"falloff\", which needs a distance "
-                        "for each pair of them: use \"unrotated\", fewer groups or a smaller region.");
+    refuse_edit(ErrorCause::BadParameter, {}, groups, " handle groups and ", region.size(),
+                " region vertices are too many for the rough deformation \"falloff\", which needs a distance "
+                "for each pair of them: use \"unrotated\", fewer groups or a smaller region.");
   }
   std::vector<std::vector<int>> seeds(groups + 1);  // the anchors come last
   const std::vector<double> largest = largest_weights(region);

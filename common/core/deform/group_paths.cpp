@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/polar_decomposition.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/base/whole_part.h"
 #include "lapedit/mesh/vertex_set.h"
 
@@ -97,24 +97,20 @@ void GroupPaths::find_hanging() {
 
 void GroupPaths::check(const std::vector<HandleMotion>& motions) const {
   if (motions.size() < groups_.size()) {
-    throw EditError(ErrorCause::NoHandle, std::to_string(motions.size()) + " handle motions were given for " +
-                                              std::to_string(groups_.size()) + " handle groups: give one for each.")
-        .at("handles");
+    refuse_edit(ErrorCause::NoHandle, {"handles"}, motions.size(), " handle motions were given for ", groups_.size(),
+                " handle groups: give one for each.");
   }
   for (std::size_t g = 0; g < motions.size(); ++g) {
     const HandleMotion& motion = motions[g];
     if (!motion.map.matrix().allFinite() || !motion.targets.allFinite() || !std::isfinite(motion.fraction)) {
-      throw EditError(ErrorCause::NotFinite,
-                      "The target of handle group " + std::to_string(g) + " is not finite: give finite coordinates.")
-          .at(entry_key("handles", g));
+      refuse_edit(ErrorCause::NotFinite, {entry_key("handles", g)}, "The target of handle group ", g,
+                  " is not finite: give finite coordinates.");
     }
     if (g < groups_.size() && motion.targets.rows() > 0 &&
         motion.targets.rows() != static_cast<Eigen::Index>(groups_[g].vertices.size())) {
-      throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) + " has " +
-                                                    std::to_string(groups_[g].vertices.size()) + " vertices and " +
-                                                    std::to_string(motion.targets.rows()) +
-                                                    " targets: give one target for each vertex.")
-          .at(entry_key("handles", g) + ".targets");
+      refuse_edit(ErrorCause::BadParameter, {entry_key("handles", g) + ".targets"}, "Handle group ", g, " has ",
+                  groups_[g].vertices.size(), " vertices and ", motion.targets.rows(),
+                  " targets: give one target for each vertex.");
     }
   }
 }

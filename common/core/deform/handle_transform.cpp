@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/polar_decomposition.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/base/trigonometry.h"
 
 namespace lapedit {
@@ -15,9 +15,7 @@ namespace {
 
 void require_finite(bool finite, const char* what, const char* key) {
   if (!finite) {
-    throw EditError(ErrorCause::NotFinite,
-                    std::string("The handle's ") + what + " is not a finite number: give a finite one.")
-        .at(key);
+    refuse_edit(ErrorCause::NotFinite, {key}, "The handle's ", what, " is not a finite number: give a finite one.");
   }
 }
 
@@ -47,15 +45,13 @@ HandleMotion resolve(const HandleTransform& transform, const Vector3& centroid) 
   require_finite(std::isfinite(transform.scale), "scale", "scale");
   require_finite(!transform.center || transform.center->allFinite(), "rotation center", "rotation.center");
   if (!(transform.scale > 0)) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The handle's scale is " + std::to_string(transform.scale) + ": it has to be greater than 0.")
-        .at("scale");
+    refuse_edit(ErrorCause::BadParameter, {"scale"}, "The handle's scale is ", transform.scale,
+                ": it has to be greater than 0.");
   }
   const double axis_length = transform.axis.stableNorm();
   if (transform.degrees != 0 && !(axis_length > 0)) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The handle's rotation axis is (0, 0, 0): give a direction, for example (0, 0, 1).")
-        .at("rotation.axis");
+    refuse_edit(ErrorCause::BadParameter, {"rotation.axis"},
+                "The handle's rotation axis is (0, 0, 0): give a direction, for example (0, 0, 1).");
   }
   HandleMotion motion;
   if (transform.matrix) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "lapedit/base/error.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/differential_operator.h"
 #include "lapedit/deform/smooth_normals.h"
@@ -392,18 +392,16 @@ std::shared_ptr<const LaplacianSystem> prepare_system(const TriangleMesh& mesh, 
 
 void require_finite_result(const Points& positions) {
   if (!positions.allFinite()) {
-    throw EditError(
-        ErrorCause::NotFinite,
-        "The result is not finite, since the handle's displacement is too large for the mesh: move it less.");
+    refuse_edit(ErrorCause::NotFinite, {},
+                "The result is not finite, since the handle's displacement is too large for the mesh: move it less.");
   }
 }
 
 void refuse_conditioning(const LaplacianSystem& system) {
   const int order = system.settings.order;
   const std::string advice = order > 1 ? "a lower order or a smaller region." : "a smaller region or larger weights.";
-  throw EditError(ErrorCause::IllConditioned,
-                  "A Laplacian of order " + std::to_string(order) + " over " + std::to_string(system.region.size()) +
-                      " region vertices is too ill-conditioned to be solved in double precision: use " + advice);
+  refuse_edit(ErrorCause::IllConditioned, {}, "A Laplacian of order ", order, " over ", system.region.size(),
+              " region vertices is too ill-conditioned to be solved in double precision: use ", advice);
 }
 
 void factorise_for(const Region& region, const std::function<void()>& factorise) {
@@ -413,10 +411,9 @@ void factorise_for(const Region& region, const std::function<void()>& factorise)
     if (error.cause() != ErrorCause::IllConditioned) {
       throw;
     }
-    throw EditError(ErrorCause::IllConditioned,
-                    "The system of " + std::to_string(region.size()) +
-                        " region vertices is singular to working precision: use a lower order, a smaller region, more "
-                        "padding or weights nearer to 1.");
+    refuse_edit(ErrorCause::IllConditioned, {}, "The system of ", region.size(),
+                " region vertices is singular to working precision: use a lower order, a smaller region, more "
+                "padding or weights nearer to 1.");
   }
 }
 

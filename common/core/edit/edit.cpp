@@ -9,8 +9,8 @@
 #include <memory>
 #include <utility>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -18,9 +18,8 @@ namespace {
 
 void check_fraction(double fraction) {
   if (!(fraction >= 0 && fraction <= 1)) {
-    throw EditError(ErrorCause::BadParameter, "The fraction is " + number_text(fraction) +
-                                                  ": give a number from 0 (no change) to 1 (the whole edit).")
-        .at("fraction");
+    refuse_edit(ErrorCause::BadParameter, {"fraction"}, "The fraction is ", fraction,
+                ": give a number from 0 (no change) to 1 (the whole edit).");
   }
 }
 
@@ -60,7 +59,7 @@ class Poses {
     options_.scalar = scalar;
     options_.solver = options;
     if (edit.steps.empty()) {
-      throw EditError(ErrorCause::BadScript, "The edit has no steps: give at least one.").at("steps");
+      refuse_edit(ErrorCause::BadScript, {"steps"}, "The edit has no steps: give at least one.");
     }
   }
 
@@ -201,12 +200,10 @@ void PreparedStep::move(const EditStep& step) {
                          next.handles[g].vertices == step_.handles[g].vertices &&
                          (next.handles[g].weights.empty() || next.handles[g].weights == step_.handles[g].weights);
     if (!is_same) {
-      throw EditError(ErrorCause::BadParameter,
-                      entry_key("handles", g) +
-                          ": these are not the vertices, or not the weights, that the step was prepared for: "
-                          "give the step's own handle groups in their order, with other motions; for other vertices "
-                          "or weights prepare another step.")
-          .at(entry_key("handles", g));
+      refuse_edit(ErrorCause::BadParameter, {entry_key("handles", g)}, entry_key("handles", g),
+                  ": these are not the vertices, or not the weights, that the step was prepared for: "
+                  "give the step's own handle groups in their order, with other motions; for other vertices "
+                  "or weights prepare another step.");
     }
     next.handles[g].weights = step_.handles[g].weights;
   }
@@ -247,23 +244,18 @@ void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
   const auto vertices = mesh.vertices.rows();
   const auto faces = mesh.faces.rows();
   if ((edit.mesh_vertices && *edit.mesh_vertices != vertices) || (edit.mesh_faces && *edit.mesh_faces != faces)) {
-    throw EditError(
-        ErrorCause::MeshMismatch,
-        "The edit was made for a mesh of " +
-            (edit.mesh_vertices ? std::to_string(*edit.mesh_vertices) : std::string("any number of")) +
-            " vertices and " + (edit.mesh_faces ? std::to_string(*edit.mesh_faces) : std::string("any number of")) +
-            " faces, but this one has " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
-            " faces: open the mesh that the edit was made for" + by_position_advice(edit) + ".")
-        .at("mesh");
+    refuse_edit(ErrorCause::MeshMismatch, {"mesh"}, "The edit was made for a mesh of ",
+                (edit.mesh_vertices ? std::to_string(*edit.mesh_vertices) : std::string("any number of")),
+                " vertices and ", (edit.mesh_faces ? std::to_string(*edit.mesh_faces) : std::string("any number of")),
+                " faces, but this one has ", vertices, " vertices and ", faces,
+                " faces: open the mesh that the edit was made for", by_position_advice(edit), ".");
   }
   if (!edit.connectivity.empty()) {
     const std::string checksum = connectivity_checksum(static_cast<std::size_t>(vertices), mesh.faces);
     if (checksum != edit.connectivity) {
-      throw EditError(ErrorCause::MeshMismatch, "The edit was made for a mesh of connectivity " + edit.connectivity +
-                                                    ", but this one, of the same size, has " + checksum +
-                                                    ": its vertices or faces are in another order" +
-                                                    by_position_advice(edit) + ".")
-          .at("mesh.connectivity");
+      refuse_edit(ErrorCause::MeshMismatch, {"mesh.connectivity"}, "The edit was made for a mesh of connectivity ",
+                  edit.connectivity, ", but this one, of the same size, has ", checksum,
+                  ": its vertices or faces are in another order", by_position_advice(edit), ".");
     }
   }
 }

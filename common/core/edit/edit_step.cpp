@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -30,32 +30,26 @@ void check_handle(const HandleGroup& handle, std::size_t number) {
     const std::string what = transform.degrees != 0
                                  ? "cannot be rotated by " + number_text(transform.degrees) + " degrees"
                                  : "cannot be scaled by " + number_text(transform.scale);
-    throw EditError(ErrorCause::BadParameter, group_name(number) + " is vertex " +
-                                                  std::to_string(handle.vertices.front()) + " alone, which " + what +
-                                                  " about itself: name several vertices, or give a translation.")
-        .at(transform.degrees != 0 ? "rotation" : "scale");
+    refuse_edit(ErrorCause::BadParameter, {transform.degrees != 0 ? "rotation" : "scale"}, group_name(number),
+                " is vertex ", handle.vertices.front(), " alone, which ", what,
+                " about itself: name several vertices, or give a translation.");
   }
 }
 
 void require_finite_targets(const HandleGroup& handle, std::size_t number) {
   for (std::size_t k = 0; k < handle.targets.size(); ++k) {
     if (!handle.targets[k].allFinite()) {
-      throw EditError(ErrorCause::NotFinite,
-                      "The target of vertex " + std::to_string(handle.vertices[k]) + " in handle group " +
-                          std::to_string(number) + " is not finite: give finite coordinates.",
-                      handle.vertices[k])
-          .at("targets");
+      refuse_edit(ErrorCause::NotFinite, {"targets", handle.vertices[k]}, "The target of vertex ", handle.vertices[k],
+                  " in handle group ", number, " is not finite: give finite coordinates.");
     }
   }
 }
 
 void require_one_for_each(std::size_t count, const char* what, const HandleGroup& handle, std::size_t number) {
   if (count > 0 && count != handle.vertices.size()) {
-    throw EditError(ErrorCause::BadParameter, group_name(number) + " has " + std::to_string(handle.vertices.size()) +
-                                                  " vertices and " + std::to_string(count) + " " + what +
-                                                  "s: give one " + what +
-                                                  " for each vertex, in the same order, or none.")
-        .at(key_of(number, (std::string(what) + "s").c_str()));
+    refuse_edit(ErrorCause::BadParameter, {key_of(number, (std::string(what) + "s").c_str())}, group_name(number),
+                " has ", handle.vertices.size(), " vertices and ", count, " ", what, "s: give one ", what,
+                " for each vertex, in the same order, or none.");
   }
 }
 
@@ -65,9 +59,10 @@ void require_length(const HandleMotion& motion, const Vector3& centre, std::size
   const double length = motion.targets.rows() > 0 ? motion.targets.cwiseAbs().maxCoeff()
                                                   : (motion.map * centre - centre).cwiseAbs().maxCoeff();
   if (!(length <= kLongest)) {
-    throw EditError(ErrorCause::BadParameter, group_name(number) + format_text(" is to move by %.3g, but an edit needs "
-                                                                               "paths below %.0e: move it less.",
-                                                                               length, kLongest));
+    refuse_edit(ErrorCause::BadParameter, {}, group_name(number),
+                format_text(" is to move by %.3g, but an edit needs "
+                            "paths below %.0e: move it less.",
+                            length, kLongest));
   }
 }
 
@@ -83,13 +78,10 @@ void refuse_mirrored(const EditStep& step, const std::vector<HandleMotion>& moti
     }
   }
   if (mirrored && other) {
-    throw EditError(
-        ErrorCause::BadParameter,
-        "The matrix of handle group " + std::to_string(*mirrored) +
-            " mirrors, since its determinant is negative, but handle group " + std::to_string(*other) +
-            " does not mirror, so the surface between them would turn inside out: give a matrix of positive "
-            "determinant, or mirror every group.")
-        .at(key_of(*mirrored, "matrix"));
+    refuse_edit(ErrorCause::BadParameter, {key_of(*mirrored, "matrix")}, "The matrix of handle group ", *mirrored,
+                " mirrors, since its determinant is negative, but handle group ", *other,
+                " does not mirror, so the surface between them would turn inside out: give a matrix of positive "
+                "determinant, or mirror every group.");
   }
 }
 
@@ -122,8 +114,8 @@ void targets_to(const std::vector<int>& vertices, const std::vector<Vector3>& ta
 
 Vector3 centroid(const Points& vertices, const std::vector<int>& group) {
   if (group.empty()) {
-    throw EditError(ErrorCause::NoHandle, "A handle group has no vertices: name at least one vertex to move.")
-        .at("vertices");
+    refuse_edit(ErrorCause::NoHandle, {"vertices"},
+                "A handle group has no vertices: name at least one vertex to move.");
   }
   for (const int v : group) {
     require_vertex("Handle vertex", v, vertices.rows());
@@ -197,15 +189,12 @@ EditStep welded(EditStep step, const Weld& weld) {
       const Named& other = named.emplace(first[k], Named{group.vertices[k], g, target}).first->second;
       const bool same_target = !target || !other.target || *target == *other.target;
       if (other.vertex != group.vertices[k] && (other.group != g || !same_target)) {
-        throw EditError(ErrorCause::BadParameter,
-                        "Vertices " + std::to_string(other.vertex) + " and " + std::to_string(group.vertices[k]) +
-                            " are at the same place, so they are one vertex, but they " +
-                            (other.group != g ? "are in handle groups " + std::to_string(other.group) + " and " +
-                                                    std::to_string(g) + ": name them in one of these"
-                                              : "have different targets: give them the same") +
-                            ".",
-                        group.vertices[k])
-            .at(key_of(g, "vertices"));
+        refuse_edit(ErrorCause::BadParameter, {key_of(g, "vertices"), group.vertices[k]}, "Vertices ", other.vertex,
+                    " and ", group.vertices[k], " are at the same place, so they are one vertex, but they ",
+                    (other.group != g ? "are in handle groups " + std::to_string(other.group) + " and " +
+                                            std::to_string(g) + ": name them in one of these"
+                                      : "have different targets: give them the same"),
+                    ".");
       }
     }
   }
@@ -242,11 +231,8 @@ void sort_group(HandleGroup& group, std::size_t number) {
     if (kept.empty() || group.vertices[k] != group.vertices[kept.back()]) {
       kept.push_back(k);
     } else if (!group.targets.empty() && group.targets[k] != group.targets[kept.back()]) {
-      throw EditError(ErrorCause::BadParameter,
-                      group_name(number) + " has vertex " + std::to_string(group.vertices[k]) +
-                          " twice, with different targets: give one target for it.",
-                      group.vertices[k])
-          .at(key_of(number, "targets"));
+      refuse_edit(ErrorCause::BadParameter, {key_of(number, "targets"), group.vertices[k]}, group_name(number),
+                  " has vertex ", group.vertices[k], " twice, with different targets: give one target for it.");
     }
   }
   keep(group.vertices, kept);

@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "lapedit/base/error.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/edit/edit_step.h"
@@ -22,10 +22,9 @@ std::vector<FitLandmark> landmarks_of(const EditStep& step) {
   for (std::size_t g = 0; g < step.handles.size(); ++g) {
     const HandleGroup& group = step.handles[g];
     if (group.targets.size() != group.vertices.size()) {
-      throw EditError(ErrorCause::BadParameter, "Handle group " + std::to_string(g) +
-                                                    " of the fit has no targets: give landmarks, or targets for its "
-                                                    "vertices or points.")
-          .at(entry_key("handles", g) + ".targets");
+      refuse_edit(ErrorCause::BadParameter, {entry_key("handles", g) + ".targets"}, "Handle group ", g,
+                  " of the fit has no targets: give landmarks, or targets for its "
+                  "vertices or points.");
     }
     for (std::size_t k = 0; k < group.vertices.size(); ++k) {
       landmarks.push_back(
@@ -37,9 +36,8 @@ std::vector<FitLandmark> landmarks_of(const EditStep& step) {
   const auto twice = std::adjacent_find(landmarks.begin(), landmarks.end(),
                                         [](const auto& a, const auto& b) { return a.vertex == b.vertex; });
   if (twice != landmarks.end()) {
-    throw EditError(ErrorCause::BadParameter,
-                    "Vertex " + std::to_string(twice->vertex) + " has two landmarks: keep one of them.", twice->vertex)
-        .at("handles");
+    refuse_edit(ErrorCause::BadParameter, {"handles", twice->vertex}, "Vertex ", twice->vertex,
+                " has two landmarks: keep one of them.");
   }
   return landmarks;
 }
@@ -114,9 +112,8 @@ void exclude_faces(const FitStep& fit, ScanData& data) {
   std::vector<char> excluded(static_cast<std::size_t>(count), 0);
   for (const int f : fit.exclude_faces) {
     if (f < 0 || f >= count) {
-      throw EditError(ErrorCause::BadIndex, "Face " + std::to_string(f) + " is excluded, but " + data.name + " has " +
-                                                std::to_string(count) + " faces, numbered from 0.")
-          .at("fit.exclude.scan_faces");
+      refuse_edit(ErrorCause::BadIndex, {"fit.exclude.scan_faces"}, "Face ", f, " is excluded, but ", data.name,
+                  " has ", count, " faces, numbered from 0.");
     }
     excluded[static_cast<std::size_t>(f)] = 1;
   }
@@ -124,9 +121,8 @@ void exclude_faces(const FitStep& fit, ScanData& data) {
     excluded[static_cast<std::size_t>(f)] = 1;
   }
   if (fit.exclude_selected && data.selected_faces.empty()) {
-    throw EditError(ErrorCause::BadParameter,
-                    "No face of " + data.name + " is selected: select those that the fit shall not see.")
-        .at("fit.exclude.scan_selected");
+    refuse_edit(ErrorCause::BadParameter, {"fit.exclude.scan_selected"}, "No face of ", data.name,
+                " is selected: select those that the fit shall not see.");
   }
   Eigen::Index kept = 0;
   for (Eigen::Index f = 0; f < count; ++f) {
@@ -135,8 +131,8 @@ void exclude_faces(const FitStep& fit, ScanData& data) {
     }
   }
   if (kept == 0 && count > 0) {
-    throw EditError(ErrorCause::BadParameter, "All faces of " + data.name + " are excluded: leave some to fit to.")
-        .at("fit.exclude");
+    refuse_edit(ErrorCause::BadParameter, {"fit.exclude"}, "All faces of ", data.name,
+                " are excluded: leave some to fit to.");
   }
   data.mesh.faces.conservativeResize(kept, 3);
 }
@@ -161,24 +157,21 @@ FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const 
   const bool to_image = given.fit->to.empty() && !given.fit->scan;
   const EditStep step = to_image ? with_mirror_image(mesh, given) : given;
   if (!step.fit->scan) {
-    throw EditError(ErrorCause::BadParameter, "The scan \"" + step.fit->to +
-                                                  "\" of the fit was not read here: use the "
-                                                  "program laplacian-edit or the filter Laplacian Fit.")
-        .at("fit.to");
+    refuse_edit(ErrorCause::BadParameter, {"fit.to"}, "The scan \"", step.fit->to,
+                "\" of the fit was not read here: use the "
+                "program laplacian-edit or the filter Laplacian Fit.");
   }
   if (step.mirror) {
-    throw EditError(ErrorCause::BadParameter,
-                    "A fit cannot be mirrored, since the scan decides on both sides: remove the key mirror.")
-        .at("mirror");
+    refuse_edit(ErrorCause::BadParameter, {"mirror"},
+                "A fit cannot be mirrored, since the scan decides on both sides: remove the key mirror.");
   }
   if (step.settings.detail != 1) {
-    throw EditError(ErrorCause::BadParameter,
-                    "A fit keeps the details that fit.detail says: remove the key detail of the step, or apply it in a "
-                    "step of its own.")
-        .at("detail");
+    refuse_edit(ErrorCause::BadParameter, {"detail"},
+                "A fit keeps the details that fit.detail says: remove the key detail of the step, or apply it in a "
+                "step of its own.");
   }
   if (step.settings.contact) {
-    throw EditError(ErrorCause::BadParameter, "A fit does not stop at contact: remove the key contact.").at("contact");
+    refuse_edit(ErrorCause::BadParameter, {"contact"}, "A fit does not stop at contact: remove the key contact.");
   }
   std::vector<FitLandmark> landmarks = landmarks_of(step);
   std::vector<int> handle;

@@ -7,21 +7,17 @@
 #include <string>
 #include <utility>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/polar_decomposition.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
 
 [[noreturn]] void refuse_missing(const TriangleMesh& mesh, const std::vector<int>& missing, std::size_t of) {
-  throw EditError(ErrorCause::BadParameter,
-                  std::to_string(missing.size()) + " of " + std::to_string(of) +
-                      " handle vertices have no vertex near their mirrored positions, the first is vertex " +
-                      std::to_string(missing[0]) + " at " + place_text(position_of(mesh.vertices, missing[0])) +
-                      ": move the mirror plane, or edit without it.",
-                  missing[0])
-      .at("mirror");
+  refuse_edit(ErrorCause::BadParameter, {"mirror", missing[0]}, missing.size(), " of ", of,
+              " handle vertices have no vertex near their mirrored positions, the first is vertex ", missing[0], " at ",
+              place_text(position_of(mesh.vertices, missing[0])), ": move the mirror plane, or edit without it.");
 }
 
 Vector3 rotation_vector(const Matrix3& rotation) {

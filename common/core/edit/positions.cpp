@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "lapedit/base/error.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/mesh/vertex_tree.h"
@@ -106,9 +106,9 @@ class VertexTransfer {
   std::size_t row(int vertex) const {
     const int position = index_in(from_.vertices, vertex);
     if (position < 0) {
-      throw EditError(ErrorCause::MeshMismatch, "The edit is applied by position, but the position of its vertex " +
-                                                    std::to_string(vertex) + " is not among mesh.positions: add it.")
-          .at("mesh.positions");
+      refuse_edit(ErrorCause::MeshMismatch, {"mesh.positions"},
+                  "The edit is applied by position, but the position of its vertex ", vertex,
+                  " is not among mesh.positions: add it.");
     }
     return static_cast<std::size_t>(position);
   }
@@ -179,22 +179,17 @@ void refuse_doubles(const HandleGroup& group, std::size_t number) {
   for (std::size_t k = 0; k < group.vertices.size(); ++k) {
     const auto [found, is_new] = first.emplace(group.vertices[k], k);
     if (!is_new) {
-      throw EditError(ErrorCause::BadParameter,
-                      name_of(group, number, found->second) + " and " + name_of(group, number, k) +
-                          " are both nearest to vertex " + std::to_string(group.vertices[k]) +
-                          ": keep one of them, or use a finer mesh.",
-                      group.vertices[k])
-          .at(key_of(group, k));
+      refuse_edit(ErrorCause::BadParameter, {key_of(group, k), group.vertices[k]},
+                  name_of(group, number, found->second), " and ", name_of(group, number, k),
+                  " are both nearest to vertex ", group.vertices[k], ": keep one of them, or use a finer mesh.");
     }
   }
 }
 
 std::vector<int> selected(const std::vector<int>& first, const std::vector<int>& second, const char* what) {
   if (first.empty() && second.empty()) {
-    throw EditError(ErrorCause::NoHandle,
-                    "No vertex and no face is selected, but " + std::string(what) +
-                        " is the selection: select vertices or faces, or save the mesh with its selection.")
-        .at("selected");
+    refuse_edit(ErrorCause::NoHandle, {"selected"}, "No vertex and no face is selected, but ", what,
+                " is the selection: select vertices or faces, or save the mesh with its selection.");
   }
   return first.empty() ? second : first;
 }

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/base/stopwatch.h"
 #include "lapedit/base/whole_part.h"
 #include "lapedit/deform/edit_quality.h"
@@ -25,9 +25,9 @@ void round_to(StoredScalar scalar, Points& positions) {
     positions.data()[i] = static_cast<double>(static_cast<float>(positions.data()[i]));
   }
   if (!positions.allFinite()) {
-    throw EditError(ErrorCause::NotFinite,
-                    "The result does not fit into the mesh's single precision, since the handle's displacement is too "
-                    "large: move it less.");
+    refuse_edit(ErrorCause::NotFinite, {},
+                "The result does not fit into the mesh's single precision, since the handle's displacement is too "
+                "large: move it less.");
   }
 }
 
@@ -36,10 +36,10 @@ void require_size(const TriangleMesh& mesh, const Region& region) {
   const Points points = gather(mesh.vertices, region.mesh_vertex);
   const double farthest = points.cwiseAbs().maxCoeff(), size = bounding_box(points).sizes().maxCoeff();
   if (farthest > kLargest || (size > 0 && size < kSmallest)) {
-    throw EditError(ErrorCause::BadParameter,
-                    format_text("The region has a size of %.3g and coordinates up to %.3g, but an edit needs a size "
-                                "above %.0e and coordinates below %.0e: use another unit of length.",
-                                size, farthest, kSmallest, kLargest));
+    refuse_edit(ErrorCause::BadParameter, {},
+                format_text("The region has a size of %.3g and coordinates up to %.3g, but an edit needs a size "
+                            "above %.0e and coordinates below %.0e: use another unit of length.",
+                            size, farthest, kSmallest, kLargest));
   }
 }
 

@@ -9,8 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "lapedit/base/error.h"
-#include "lapedit/base/format_text.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/surface_measures.h"
@@ -253,9 +252,8 @@ CompressedRows with_edges(const CompressedRows& neighbours, const std::vector<st
 CompressedRows linked_neighbours(const TriangleMesh& mesh, const CompressedRows& neighbours, double gap,
                                  const std::vector<char>* allowed) {
   if (!(gap > 0 && std::isfinite(gap))) {
-    throw EditError(ErrorCause::BadParameter, "Pieces are to be connected over a gap of " + number_text(gap) +
-                                                  ": give a finite length greater than 0, or 0 to connect none.")
-        .at("region.connect");
+    refuse_edit(ErrorCause::BadParameter, {"region.connect"}, "Pieces are to be connected over a gap of ", gap,
+                ": give a finite length greater than 0, or 0 to connect none.");
   }
   std::vector<Link> links = LinkSearch(mesh, neighbours, gap, allowed).links();
   std::sort(links.begin(), links.end());

@@ -5,7 +5,7 @@
 #include <cctype>
 #include <cstddef>
 
-#include "lapedit/base/error.h"
+#include "lapedit/base/refuse.h"
 
 namespace lapedit {
 namespace {
@@ -73,8 +73,8 @@ bool fit(const VertexFinder& finder, std::vector<Vector3> points, double factor,
 
 void require_known_space(const std::string& space) {
   if (!space.empty() && !is_known(space)) {
-    throw EditError(ErrorCause::BadParameter,
-                    "space: the coordinate system \"" + space + "\" is unknown: give RAS or LPS, or none.");
+    refuse_edit(ErrorCause::BadParameter, {}, "space: the coordinate system \"", space,
+                "\" is unknown: give RAS or LPS, or none.");
   }
 }
 
@@ -83,8 +83,8 @@ bool convert(std::vector<Vector3>& points, const std::string& from, const std::s
     return false;
   }
   if (!is_known(from) || !is_known(to)) {
-    throw EditError(ErrorCause::BadParameter, "Landmarks in " + from + " coordinates cannot be converted to " + to +
-                                                  ": save them in the coordinate system of the mesh.");
+    refuse_edit(ErrorCause::BadParameter, {}, "Landmarks in ", from, " coordinates cannot be converted to ", to,
+                ": save them in the coordinate system of the mesh.");
   }
   std::transform(points.begin(), points.end(), points.begin(), turned);
   return true;

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/connect.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/vertex_set.h"
@@ -28,11 +28,8 @@ void check_weights(const std::vector<std::vector<int>>& groups, const std::vecto
   for (std::size_t g = 0; g < weights.size(); ++g) {
     for (std::size_t k = 0; k < weights[g].size(); ++k) {
       if (!(weights[g][k] >= kLeastWeight && weights[g][k] <= 1)) {
-        throw EditError(ErrorCause::BadParameter,
-                        "Handle vertex " + std::to_string(groups[g][k]) + " has the weight " +
-                            number_text(weights[g][k]) + ": weights of handle vertices go from 0.000001 to 1.",
-                        groups[g][k])
-            .at(key_of(g, "weights"));
+        refuse_edit(ErrorCause::BadParameter, {key_of(g, "weights"), groups[g][k]}, "Handle vertex ", groups[g][k],
+                    " has the weight ", weights[g][k], ": weights of handle vertices go from 0.000001 to 1.");
       }
     }
   }
@@ -40,14 +37,12 @@ void check_weights(const std::vector<std::vector<int>>& groups, const std::vecto
 
 void check_spec(const RegionSpec& spec) {
   if (!(spec.padding >= 0 && spec.padding <= 1)) {
-    throw EditError(ErrorCause::BadParameter, "The padding is " + number_text(spec.padding) +
-                                                  ": give a fraction of the region's radius from 0 to 1.")
-        .at("region.padding");
+    refuse_edit(ErrorCause::BadParameter, {"region.padding"}, "The padding is ", spec.padding,
+                ": give a fraction of the region's radius from 0 to 1.");
   }
   if (spec.kind == RegionSpec::Kind::Radius && !(spec.radius > 0 && std::isfinite(spec.radius))) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The region's radius is " + number_text(spec.radius) + ": give a finite length greater than 0.")
-        .at("region.radius");
+    refuse_edit(ErrorCause::BadParameter, {"region.radius"}, "The region's radius is ", spec.radius,
+                ": give a finite length greater than 0.");
   }
 }
 
@@ -110,29 +105,23 @@ class RegionBuilder {
 void RegionBuilder::collect_handles() {
   const int n = region_.mesh_vertices;
   if (groups_.empty() && !(is_set_ && spec_.without_handle)) {
-    throw EditError(ErrorCause::NoHandle, "There is no handle: name at least one vertex to move.").at("handles");
+    refuse_edit(ErrorCause::NoHandle, {"handles"}, "There is no handle: name at least one vertex to move.");
   }
   group_of_.assign(n, -1);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (groups_[g].empty()) {
-      throw EditError(ErrorCause::NoHandle,
-                      "Handle group " + std::to_string(g) + " has no vertices: name at least one vertex to move.")
-          .at(key_of(g, "vertices"));
+      refuse_edit(ErrorCause::NoHandle, {key_of(g, "vertices")}, "Handle group ", g,
+                  " has no vertices: name at least one vertex to move.");
     }
     for (const int v : groups_[g]) {
       keyed("handles", g, [&] { require_vertex("Handle vertex", v, n); });
       if (group_of_[v] >= 0 && group_of_[v] != static_cast<int>(g)) {
-        throw EditError(ErrorCause::BadIndex,
-                        "Vertex " + std::to_string(v) + " is in handle groups " + std::to_string(group_of_[v]) +
-                            " and " + std::to_string(g) + ": it can follow only one of them.",
-                        v)
-            .at(key_of(g, "vertices"));
+        refuse_edit(ErrorCause::BadIndex, {key_of(g, "vertices"), v}, "Vertex ", v, " is in handle groups ",
+                    group_of_[v], " and ", g, ": it can follow only one of them.");
       }
       if (!is_finite(mesh_.vertices, v)) {
-        throw EditError(
-            ErrorCause::NotFinite,
-            "Handle vertex " + std::to_string(v) + " has a coordinate that is not a number: repair the mesh first.", v)
-            .at(key_of(g, "vertices"));
+        refuse_edit(ErrorCause::NotFinite, {key_of(g, "vertices"), v}, "Handle vertex ", v,
+                    " has a coordinate that is not a number: repair the mesh first.");
       }
       if (group_of_[v] < 0) {
         group_of_[v] = static_cast<int>(g);
@@ -146,8 +135,8 @@ void RegionBuilder::collect_handles() {
 /// Marks the vertices of the given set. Throws unless the handles are among them.
 void RegionBuilder::flag_set() {
   if (spec_.vertices.empty()) {
-    throw EditError(ErrorCause::EmptyRegion, "The region has no vertices: select the part of the surface to edit.")
-        .at("region.vertices");
+    refuse_edit(ErrorCause::EmptyRegion, {"region.vertices"},
+                "The region has no vertices: select the part of the surface to edit.");
   }
   flags_.assign(region_.mesh_vertices, 0);
   for (const int v : spec_.vertices) {
@@ -158,12 +147,9 @@ void RegionBuilder::flag_set() {
   const auto count = std::count_if(handles_.begin(), handles_.end(), outside);
   if (count > 0) {
     const int first = *std::find_if(handles_.begin(), handles_.end(), outside);
-    throw EditError(ErrorCause::HandleOutsideRegion,
-                    std::to_string(count) + " of " + std::to_string(handles_.size()) +
-                        " handle vertices lie outside the region, the first is vertex " + std::to_string(first) +
-                        ": enlarge the region or choose a handle inside it.",
-                    first)
-        .at("region");
+    refuse_edit(ErrorCause::HandleOutsideRegion, {"region", first}, count, " of ", handles_.size(),
+                " handle vertices lie outside the region, the first is vertex ", first,
+                ": enlarge the region or choose a handle inside it.");
   }
 }
 
@@ -208,11 +194,9 @@ void RegionBuilder::measure_distances() {
   }
   region_.without_handle = true;
   if (region_.size() == 0) {
-    throw EditError(
-        ErrorCause::NothingToFollow,
-        "The region is a whole piece of the surface, so no vertex around it stays: choose a smaller region, "
-        "or give a handle.")
-        .at("region");
+    refuse_edit(ErrorCause::NothingToFollow, {"region"},
+                "The region is a whole piece of the surface, so no vertex around it stays: choose a smaller region, "
+                "or give a handle.");
   }
   const double largest = *std::max_element(region_.distance.begin(), region_.distance.end());
   for (double& distance : region_.distance) {
@@ -238,12 +222,9 @@ void RegionBuilder::require_finite(const std::vector<int>& vertices) const {
   }
   bad = sorted_set(std::move(bad));
   if (!bad.empty()) {
-    throw EditError(ErrorCause::NotFinite,
-                    std::to_string(bad.size()) + (bad.size() == 1 ? " vertex" : " vertices") +
-                        " in or next to the region have a coordinate that is not a number, the first is vertex " +
-                        std::to_string(bad[0]) + ": repair the mesh or choose a region without them.",
-                    bad[0])
-        .at("region");
+    refuse_edit(ErrorCause::NotFinite, {"region", bad[0]}, bad.size(), (bad.size() == 1 ? " vertex" : " vertices"),
+                " in or next to the region have a coordinate that is not a number, the first is vertex ", bad[0],
+                ": repair the mesh or choose a region without them.");
   }
 }
 
@@ -266,7 +247,7 @@ void RegionBuilder::refuse_handle_only() const {
   } else {
     sentence += "choose a handle that is a part of a connected surface, not all of it.";
   }
-  throw EditError(ErrorCause::NothingToFollow, sentence);
+  refuse_edit(ErrorCause::NothingToFollow, {}, sentence);
 }
 
 /// Makes the region's graph and finds its boundary.
@@ -588,25 +569,18 @@ std::vector<double> largest_weights(const Region& region) {
 void check_anchors(const KeptAnchors& anchors, int mesh_vertices) {
   const std::size_t count = anchors.vertices.size();
   if (anchors.weights.size() != count || anchors.depths.size() != count) {
-    throw EditError(ErrorCause::BadParameter, std::to_string(count) + " kept anchors have " +
-                                                  std::to_string(anchors.weights.size()) + " weights and " +
-                                                  std::to_string(anchors.depths.size()) +
-                                                  " depths: give one of each for each anchor.")
-        .at("region.anchors");
+    refuse_edit(ErrorCause::BadParameter, {"region.anchors"}, count, " kept anchors have ", anchors.weights.size(),
+                " weights and ", anchors.depths.size(), " depths: give one of each for each anchor.");
   }
   if (count > 0 && !(anchors.reach > 0 && std::isfinite(anchors.reach))) {
-    throw EditError(ErrorCause::BadParameter, "The reach of the kept anchors is " + number_text(anchors.reach) +
-                                                  ": give the largest handle distance that they were made with.")
-        .at("region.anchors.reach");
+    refuse_edit(ErrorCause::BadParameter, {"region.anchors.reach"}, "The reach of the kept anchors is ", anchors.reach,
+                ": give the largest handle distance that they were made with.");
   }
   for (std::size_t i = 0; i < count; ++i) {
     require_vertex("Kept anchor", anchors.vertices[i], mesh_vertices, "region.anchors.vertices");
     if (!(anchors.weights[i] >= 0 && anchors.weights[i] <= 1 && anchors.depths[i] >= 0 && anchors.depths[i] <= 1)) {
-      throw EditError(ErrorCause::BadParameter, "Kept anchor " + std::to_string(anchors.vertices[i]) +
-                                                    " has the weight " + number_text(anchors.weights[i]) +
-                                                    " and the depth " + number_text(anchors.depths[i]) +
-                                                    ": both go from 0 to 1.")
-          .at("region.anchors");
+      refuse_edit(ErrorCause::BadParameter, {"region.anchors"}, "Kept anchor ", anchors.vertices[i], " has the weight ",
+                  anchors.weights[i], " and the depth ", anchors.depths[i], ": both go from 0 to 1.");
     }
   }
 }

@@ -7,8 +7,8 @@
 #include <map>
 #include <numeric>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/progress.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
@@ -173,14 +173,12 @@ std::optional<MirrorPlane> SymmetrySearch::find() const {
 
 Affine reflection(const MirrorPlane& plane) {
   if (!plane.point.allFinite() || !plane.normal.allFinite()) {
-    throw EditError(ErrorCause::NotFinite, "The mirror plane is not finite: give a finite point and normal.")
-        .at("mirror");
+    refuse_edit(ErrorCause::NotFinite, {"mirror"}, "The mirror plane is not finite: give a finite point and normal.");
   }
   const double length = plane.normal.stableNorm();
   if (!(length > 0)) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The mirror plane's normal is (0, 0, 0): give a direction, for example (1, 0, 0).")
-        .at("mirror.normal");
+    refuse_edit(ErrorCause::BadParameter, {"mirror.normal"},
+                "The mirror plane's normal is (0, 0, 0): give a direction, for example (1, 0, 0).");
   }
   const Vector3 n = plane.normal / length;
   Affine mirror;

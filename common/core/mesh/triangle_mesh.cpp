@@ -8,30 +8,27 @@
 #include <utility>
 
 #include "lapedit/base/compressed_rows.h"
-#include "lapedit/base/error.h"
+#include "lapedit/base/refuse.h"
 
 namespace lapedit {
 
 void validate(const TriangleMesh& mesh) {
   if (mesh.vertices.rows() == 0) {
-    throw EditError(ErrorCause::EmptyMesh, "The mesh has no vertices: open or select a layer with a triangle mesh.")
-        .at("vertices");
+    refuse_edit(ErrorCause::EmptyMesh, {"vertices"},
+                "The mesh has no vertices: open or select a layer with a triangle mesh.");
   }
   if (mesh.faces.rows() == 0) {
-    throw EditError(ErrorCause::EmptyMesh, "The mesh has " + std::to_string(mesh.vertices.rows()) +
-                                               " vertices but no faces: a point cloud has to be turned into a surface "
-                                               "before it can be edited.")
-        .at("faces");
+    refuse_edit(ErrorCause::EmptyMesh, {"faces"}, "The mesh has ", mesh.vertices.rows(),
+                " vertices but no faces: a point cloud has to be turned into a surface "
+                "before it can be edited.");
   }
   const int n = static_cast<int>(mesh.vertices.rows());
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
     for (int k = 0; k < 3; ++k) {
       const int v = mesh.faces(f, k);
       if (v < 0 || v >= n) {
-        throw EditError(ErrorCause::BadIndex, "Face " + std::to_string(f) + " names vertex " + std::to_string(v) +
-                                                  " but the mesh has " + std::to_string(n) +
-                                                  " vertices: repair the mesh.")
-            .at("faces");
+        refuse_edit(ErrorCause::BadIndex, {"faces"}, "Face ", f, " names vertex ", v, " but the mesh has ", n,
+                    " vertices: repair the mesh.");
       }
     }
   }

@@ -7,8 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "lapedit/base/error.h"
-#include "lapedit/base/format_text.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/geodesic.h"
 #include "lapedit/mesh/region.h"
 
@@ -16,11 +15,8 @@ namespace lapedit {
 
 void require_vertex(const char* what, int vertex, Eigen::Index count, const char* key) {
   if (vertex < 0 || vertex >= count) {
-    throw EditError(ErrorCause::BadIndex,
-                    std::string(what) + " " + std::to_string(vertex) + " does not exist: the mesh has " +
-                        std::to_string(count) + " vertices, numbered from 0.",
-                    vertex)
-        .at(key);
+    refuse_edit(ErrorCause::BadIndex, {key, vertex}, what, " ", vertex, " does not exist: the mesh has ", count,
+                " vertices, numbered from 0.");
   }
 }
 
@@ -82,9 +78,8 @@ void scatter(const std::vector<int>& vertices, const Points& rows, Points& point
 std::vector<int> vertices_within(const TriangleMesh& mesh, const Adjacency& adjacency, int vertex, double radius) {
   require_vertex("Vertex", vertex, mesh.vertices.rows());
   if (!(radius >= 0 && std::isfinite(radius))) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The radius is " + number_text(radius) + ": give a finite length, or 0 for a single vertex.")
-        .at("radius");
+    refuse_edit(ErrorCause::BadParameter, {"radius"}, "The radius is ", radius,
+                ": give a finite length, or 0 for a single vertex.");
   }
   if (radius == 0) {
     return {vertex};  // without other vertices at the same position

@@ -2,6 +2,7 @@
 #include "lapedit/mesh/vertex_tree.h"
 
 #include "lapedit/base/format_text.h"
+#include "lapedit/base/refuse.h"
 
 namespace lapedit {
 
@@ -26,14 +27,14 @@ VertexFinder::VertexFinder(const TriangleMesh& mesh)
       diagonal_(bounding_box(mesh.vertices, usable_).diagonal().norm()),
       tree_(mesh.vertices, usable_) {
   if (usable_.empty()) {
-    throw EditError(ErrorCause::NotFinite,
-                    "No vertex of a face has three finite coordinates: give a mesh with faces, or repair it.");
+    refuse_edit(ErrorCause::NotFinite, {},
+                "No vertex of a face has three finite coordinates: give a mesh with faces, or repair it.");
   }
 }
 
 VertexFinder::Found VertexFinder::anywhere(const Vector3& point, const std::string& what) const {
   if (!point.allFinite()) {
-    throw EditError(ErrorCause::NotFinite, what + " is not finite: give three finite coordinates on the surface.");
+    refuse_edit(ErrorCause::NotFinite, {}, what, " is not finite: give three finite coordinates on the surface.");
   }
   int vertex = tree_.nearest(point);
   if (vertex < 0) {  // so far away that squared distances overflow
