@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "files/files.h"
-#include "lapedit/fit/carry_over.h"
+#include "lapedit/fit/scan.h"
 #include "options.h"
 
 namespace {

@@ -28,7 +28,7 @@
 #include "lapedit/base/thread_pool.h"
 #include "lapedit/edit/edit.h"
 #include "lapedit/edit/fit_step.h"
-#include "lapedit/fit/carry_over.h"
+#include "lapedit/fit/scan.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/json/json_text.h"
 #include "lapedit/json/landmarks.h"

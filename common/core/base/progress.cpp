@@ -54,16 +54,18 @@ void ProgressScope::call() {
 ProgressPart::ProgressPart(std::size_t k, std::size_t count) {
   if (ProgressScope* const scope = current_scope) {
     const std::lock_guard<std::mutex> lock(scope->mutex_);
-    scope->begin_ = static_cast<double>(k) / static_cast<double>(count);
-    scope->length_ = 1 / static_cast<double>(count);
+    begin_ = scope->begin_;
+    length_ = scope->length_;
+    scope->begin_ += length_ * static_cast<double>(k) / static_cast<double>(count);
+    scope->length_ /= static_cast<double>(count);
   }
 }
 
 ProgressPart::~ProgressPart() {
   if (ProgressScope* const scope = current_scope) {
     const std::lock_guard<std::mutex> lock(scope->mutex_);
-    scope->begin_ = 0;
-    scope->length_ = 1;
+    scope->begin_ = begin_;
+    scope->length_ = length_;
   }
 }
 

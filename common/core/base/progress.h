@@ -50,13 +50,17 @@ class ProgressScope {
   std::string stage_ = "mesh";
 };
 
-/// As long as it lives, fractions of this thread's scope are those of the k-th of `count` equal parts.
+/// As long as it lives, fractions of this thread's scope are those of the k-th of `count` equal parts, of the part
+/// around it if there is one.
 class ProgressPart {
  public:
   ProgressPart(std::size_t k, std::size_t count);
   ~ProgressPart();
   ProgressPart(const ProgressPart&) = delete;
   ProgressPart& operator=(const ProgressPart&) = delete;
+
+ private:
+  double begin_ = 0, length_ = 1;  // of the part around
 };
 
 /// Begins a stage of the work. A fraction below an earlier one counts as that. @throws EditError (Cancelled)

@@ -52,6 +52,16 @@ void find_folds(const Region& region, const Points& before, const Points& after,
   }
 }
 
+/// Returns the fraction of the region's area that became more than `factor` times as long in some direction.
+double stretched_area(const Region& region, const Points& before, const Points& after, double factor) {
+  double all = 0, stretched = 0;
+  for (const FaceStretch& face : face_stretches(region, before, after)) {
+    all += face.area;
+    stretched += face.factor > factor ? face.area : 0;
+  }
+  return all > 0 ? stretched / all : 0;
+}
+
 /// The spread of the handles and anchors of a component, and of their targets.
 struct Spread {
   Matrix3 before = Matrix3::Zero(), after = Matrix3::Zero();

@@ -158,18 +158,14 @@ void ContactPose::set_resting(const Points& pose) {
   for (; mesh_vertex_.size() > static_cast<std::size_t>(surface_->moving_vertices()); mesh_vertex_.pop_back()) {
     local_[mesh_vertex_.back()] = -1;
   }
-  Faces faces(resting_.rows(), 3);
-  Eigen::Index count = 0;
-  for (const auto& face : resting_.rowwise()) {
+  Faces faces = resting_;
+  keep_faces(faces, [&](Eigen::Index f) {
     Eigen::AlignedBox3d own;
-    for (const int v : face) {
+    for (const int v : faces.row(f)) {
       own.extend(vertices_.row(v).transpose());
     }
-    if (box.intersects(own)) {
-      faces.row(count++) = face;
-    }
-  }
-  faces.conservativeResize(count, 3);
+    return box.intersects(own);
+  });
   number(faces);
   const std::vector<int> more(mesh_vertex_.begin() + surface_->moving_vertices(), mesh_vertex_.end());
   surface_->set_resting(gather(vertices_, more), faces);

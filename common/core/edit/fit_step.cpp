@@ -124,17 +124,11 @@ void exclude_faces(const FitStep& fit, ScanData& data) {
     refuse_edit(ErrorCause::BadParameter, {"fit.exclude.scan_selected"}, "No face of ", data.name,
                 " is selected: select those that the fit shall not see.");
   }
-  Eigen::Index kept = 0;
-  for (Eigen::Index f = 0; f < count; ++f) {
-    if (excluded[static_cast<std::size_t>(f)] == 0) {
-      data.mesh.faces.row(kept++) = data.mesh.faces.row(f);
-    }
-  }
-  if (kept == 0 && count > 0) {
+  keep_faces(data.mesh.faces, [&](Eigen::Index f) { return excluded[static_cast<std::size_t>(f)] == 0; });
+  if (data.mesh.faces.rows() == 0 && count > 0) {
     refuse_edit(ErrorCause::BadParameter, {"fit.exclude"}, "All faces of ", data.name,
                 " are excluded: leave some to fit to.");
   }
-  data.mesh.faces.conservativeResize(kept, 3);
 }
 
 }  // namespace

@@ -13,12 +13,6 @@
 namespace lapedit {
 namespace {
 
-/// Returns the second moments of points about their mean.
-Matrix3 moments(const Points& points) {
-  const Points centred = points.rowwise() - points.colwise().mean();
-  return centred.transpose().lazyProduct(centred) / static_cast<double>(points.rows());
-}
-
 /// Aligns surfaces with the trimmed iterative closest point method (D. Chetverikov et al. 2002). Pairs are in both
 /// directions, so that a template with a free scale does not shrink into the scan. Each direction chooses which
 /// fraction of its pairs overlaps.
@@ -122,7 +116,8 @@ bool spans_a_plane(const Points& points) {
   if (points.rows() < 3) {
     return false;
   }
-  const Eigen::JacobiSVD<Matrix3> svd(moments(points));
+  const Points centred = points.rowwise() - points.colwise().mean();
+  const Eigen::JacobiSVD<Matrix3> svd(centred.transpose().lazyProduct(centred) / static_cast<double>(points.rows()));
   constexpr double kLine = 1e-4;  // squared
   return svd.singularValues()[1] > kLine * svd.singularValues()[0];
 }
@@ -189,13 +184,16 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   TrimmedIcp coarse(from, scan, kFew, scaled, pool);
   constexpr std::size_t kWithoutPlace = 5;
   SimilarityMap place = in_place;
-  const double unmoved = coarse.run(place, 0);
+  const double unmoved = fine.run(place, 0);
   for (std::size_t k = 0; k < maps.size(); ++k) {
     residuals[k] = coarse.run(maps[k], kFirstRounds);
   }
   const double most = kHopeless * *std::min_element(residuals.begin(), residuals.end());
   for (std::size_t k = 0; k < maps.size(); ++k) {
-    residuals[k] = residuals[k] <= most ? coarse.run(maps[k], kRounds) : residuals[k];
+    if (residuals[k] <= most) {
+      coarse.run(maps[k], kRounds);
+      residuals[k] = fine.run(maps[k], kFirstRounds);
+    }
   }
   const auto angle = [&maps](std::size_t k, const Matrix3& from) {  // the cosine
     return (maps[k].rotation.cwiseProduct(from).sum() - 1) / 2;
@@ -223,13 +221,14 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
       maps.size() > kWithoutPlace && unmoved <= kNearly * *std::min_element(residuals.begin(), residuals.end());
   chosen = stays ? 0 : chosen;
   best.map = stays ? in_place : maps[chosen];
-  best.residual = fine.run(best.map, stays ? 0 : kFirstRounds);
+  best.residual = stays ? unmoved : residuals[chosen];
   Orientations& compared = best.orientations;
   compared.stayed = stays;
-  compared.chosen = residuals[chosen];
+  const double unit = scan.size();
+  compared.chosen = unit * residuals[chosen];
   for (std::size_t k = 0; k < maps.size(); ++k) {
     if (angle(k, maps[chosen].rotation) < kSameRotation) {
-      compared.second = std::min(compared.second.value_or(residuals[k]), residuals[k]);
+      compared.second = std::min(compared.second.value_or(unit * residuals[k]), unit * residuals[k]);
     }
   }
   Points image = -from.points();
@@ -239,7 +238,7 @@ Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap&
   TrimmedIcp other(mirrored, scan, kFew, scaled, pool);
   compared.mirrored = std::numeric_limits<double>::infinity();
   for (SimilarityMap& map : starts_of(mirrored, scan, in_place, scale)) {
-    compared.mirrored = std::min(compared.mirrored, other.run(map, kFirstRounds + kRounds));
+    compared.mirrored = std::min(compared.mirrored, unit * other.run(map, kFirstRounds + kRounds));
   }
   return best;
 }

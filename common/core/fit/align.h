@@ -25,7 +25,7 @@ struct Alignment {
 /// starts by trimmed closest points in both directions. A template that already lies well keeps its place.
 /// @param from  the template, of size 1 about its centroid. @param in_place  takes it to the scan's coordinates
 /// @param landmarks, targets  of each its position on the template and on the scan
-/// @throws EditError (Cancelled). Cost: about two tenths of a second.
+/// @throws EditError (Cancelled). Cost: some tenths of a second.
 Alignment align(const SurfaceIndex& from, const Scan& scan, const SimilarityMap& in_place, const Points& landmarks,
                 const Points& targets, FitAlign allowed, ThreadPool& pool);
 

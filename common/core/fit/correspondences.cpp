@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "lapedit/fit/fit_constants.h"
 #include "lapedit/mesh/adjacency.h"
 
 namespace lapedit {
@@ -25,13 +26,6 @@ bool is_in_part(std::uint32_t item, double part) {
   return part >= 1 || (item ^ (item >> 16)) < part * 0x1p32;
 }
 
-/// Returns samples of a scan, about as many as a template has vertices. Of a cloud four times as many, since some of
-/// its points may lie on an inner side.
-SurfaceSamples samples_of(const Scan& scan, int vertices) {
-  constexpr int kOfACloud = 4;
-  return scan.surface().samples(scan.surface().is_cloud() ? kOfACloud * vertices : vertices, scan.axes());
-}
-
 /// Returns the edges at the end of a surface as triangles without area.
 Faces border_edges(const Faces& faces) {
   const std::vector<std::pair<unsigned, unsigned>> edges = single_edges({faces.data(), faces.data() + faces.size()});
@@ -46,13 +40,14 @@ Faces border_edges(const Faces& faces) {
 }  // namespace
 
 Correspondences::Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance,
-                                 bool borders, const FitConstants& constants)
+                                 bool borders)
     : scan_(scan),
       surface_(surface),
       free_(std::move(free)),
       given_(distance),
-      with_(constants),
-      samples_(samples_of(scan, static_cast<int>(surface.points().rows()))) {
+      // about as many as the template has vertices; of a cloud more, since some of its points may lie on an inner side
+      samples_(scan.surface().samples((scan.surface().is_cloud() ? 4 : 1) * static_cast<int>(surface.points().rows()),
+                                      scan.axes())) {
   std::uint32_t rank = 0;
   rank_.resize(free_.size());
   for (const int v : order_by_position(surface.points() * scan.axes())) {
@@ -73,9 +68,9 @@ void Correspondences::look(const SurfaceIndex& on, const Vector3& point, const V
   constexpr double kPlate = 0.1;  // of the scan's size
   const bool to_scan = &on == &scan_.surface();
   pair.at = on.nearest(point, pair.at.face);
-  if (!on.ends_at(pair.at) && !on.faces_along(pair.at, side_ * normal, with_.cosine)) {
+  if (!on.ends_at(pair.at) && !on.faces_along(pair.at, side_ * normal, kFit.cosine)) {
     const double nearest = pair.at.squared;
-    pair.at = on.nearest_facing(point, side_ * normal, with_.cosine, kPlate);
+    pair.at = on.nearest_facing(point, side_ * normal, kFit.cosine, kPlate);
     pair.at.squared = nearest;
     if (pair.at.face < 0) {
       return;
@@ -91,14 +86,7 @@ void Correspondences::look(const SurfaceIndex& on, const Vector3& point, const V
     return;
   }
   pair.distance = offset.norm();
-  pair.pull = (to_scan ? 1 : -1) * (with_.tangential * offset + (1 - with_.tangential) * straight);
-}
-
-/// Finds the partner of a point of the template's border on that of the scan.
-void Correspondences::look_for_border(const Vector3& point, Pair& pair) const {
-  pair.at = border_->nearest(point, pair.at.face);
-  pair.pull = border_->position(pair.at) - point;
-  pair.distance = pair.pull.norm();
+  pair.pull = (to_scan ? 1 : -1) * (kFit.tangential * offset + (1 - kFit.tangential) * straight);
 }
 
 /// Collects the distances of a direction, and computes the distance up to which its pairs count fully.
@@ -118,8 +106,8 @@ void Correspondences::gather(Direction& direction, double least) {
       return *at;
     };
     constexpr double kOthers = 4;  // times the median: these belong to another object
-    const double most = std::min(quantile(with_.most), kOthers * quantile(0.5));
-    direction.full = std::max(with_.times * most, least);
+    const double most = std::min(quantile(kFit.most), kOthers * quantile(0.5));
+    direction.full = std::max(kFit.times * most, least);
   }
   constexpr double kCounts = 0.5;
   distances.erase(std::remove_if(distances.begin(), distances.end(),
@@ -140,7 +128,9 @@ void Correspondences::update(double least, double part, ThreadPool& pool) {
     if (!back && free_[static_cast<std::size_t>(at)] != 0) {
       const Vector3 point = surface_.points().row(at).transpose();
       if (border_ && surface_.is_on_border(at)) {
-        look_for_border(point, pair);
+        pair.at = border_->nearest(point, pair.at.face);
+        pair.pull = border_->position(pair.at) - point;
+        pair.distance = pair.pull.norm();
       } else {
         look(scan_.surface(), point, surface_.normals().row(at).transpose(), pair);
       }
@@ -184,8 +174,8 @@ double Correspondences::turn_normals(ThreadPool& pool) {
     const NearestPoint at = scan_.surface().nearest(surface_.points().row(k).transpose());
     cosines[k] = scan_.surface().normal(at).dot(surface_.normals().row(k));
   });
-  const Eigen::Index same = (cosines.array() > with_.cosine).count();
-  const Eigen::Index reversed = (cosines.array() < -with_.cosine).count();
+  const Eigen::Index same = (cosines.array() > kFit.cosine).count();
+  const Eigen::Index reversed = (cosines.array() < -kFit.cosine).count();
   side_ = reversed > 2 * same && !scan_.is_outward() ? -1 : 1;
   return (side_ < 0 ? same : reversed) / std::max(1.0, static_cast<double>(same + reversed));
 }

@@ -5,7 +5,6 @@
 #include <memory>
 #include <vector>
 
-#include "lapedit/fit/fit_constants.h"
 #include "lapedit/fit/scan.h"
 
 namespace lapedit {
@@ -19,8 +18,7 @@ class Correspondences {
   /// Template and scan must outlive the object. @param free  per vertex: whether it may be drawn
   /// @param distance  up to which pairs count fully, in units of the scan's size; 0: from the distances
   /// @param borders   whether the template's border is drawn to that of the scan
-  Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance, bool borders,
-                  const FitConstants& constants);
+  Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance, bool borders);
 
   /// Lets the scan draw a vertex from now on.
   void draw(int vertex) { free_[static_cast<std::size_t>(vertex)] = 1; }
@@ -58,7 +56,6 @@ class Correspondences {
     double full = 0;
   };
   void look(const SurfaceIndex& on, const Vector3& point, const Vector3& normal, Pair& pair) const;
-  void look_for_border(const Vector3& point, Pair& pair) const;
   void gather(Direction& direction, double least);
 
   const Scan& scan_;
@@ -67,8 +64,7 @@ class Correspondences {
   std::vector<std::uint32_t> rank_;  // of the vertices by position
   double given_;
   std::unique_ptr<const SurfaceIndex> border_;  // edges at the end of the scan, if the template's border is drawn there
-  FitConstants with_;
-  double side_ = 1;  // -1: the scan's normals are reversed
+  double side_ = 1;                             // -1: the scan's normals are reversed
   SurfaceSamples samples_;
   Direction forward_, back_;
   Eigen::VectorXd weights_;

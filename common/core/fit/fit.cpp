@@ -14,6 +14,7 @@
 #include "lapedit/deform/differential_operator.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/fit/correspondences.h"
+#include "lapedit/fit/fit_constants.h"
 #include "lapedit/fit/hidden_pieces.h"
 #include "lapedit/fit/template_energy.h"
 #include "lapedit/mesh/vertex_set.h"
@@ -25,22 +26,24 @@ constexpr int kNear = 6;    // the stage from which on the surface is near enoug
 constexpr int kStages = 9;  // 2^3 equal ratios of lengths, which std::sqrt() computes with the same bits everywhere
 
 void validate(const ScanFitSettings& settings) {
-  if (!(settings.detail >= 0.003 && settings.detail <= settings.constants.first_length)) {
-    throw EditError(ErrorCause::BadParameter, "The detail of the fit is " + number_text(settings.detail) +
-                                                  ": give a number from 0.003 to 0.4, the length over the template's "
-                                                  "size down to which it follows the scan.")
-        .at("fit.detail");
-  }
-  if (settings.accuracy && !(*settings.accuracy >= 0 && std::isfinite(*settings.accuracy))) {
-    throw EditError(ErrorCause::BadParameter, "The accuracy of the fit is " + number_text(*settings.accuracy) +
-                                                  ": give a length in model units, or 0 for exact landmarks.")
-        .at("fit.accuracy");
-  }
-  if (!(settings.distance >= 0 && std::isfinite(settings.distance))) {
-    throw EditError(ErrorCause::BadParameter, "The distance of the fit is " + number_text(settings.distance) +
-                                                  ": give a length in model units, or 0 for an automatic one.")
-        .at("fit.distance");
-  }
+  const auto require = [](bool holds, const std::string& key, double value, const char* needed) {
+    if (!holds) {
+      throw EditError(ErrorCause::BadParameter,
+                      "The " + key + " of the fit is " + number_text(value) + ": give " + needed)
+          .at("fit." + key);
+    }
+  };
+  const double accuracy = settings.accuracy.value_or(0);
+  require(settings.detail >= 0.003 && settings.detail <= kFit.first_length, "detail", settings.detail,
+          "a number from 0.003 to 0.4, the length over the template's size down to which it follows the scan.");
+  require(accuracy >= 0 && std::isfinite(accuracy), "accuracy", accuracy,
+          "a length in model units, or 0 for exact landmarks.");
+  require(settings.distance >= 0 && std::isfinite(settings.distance), "distance", settings.distance,
+          "a length in model units, or 0 for an automatic one.");
+}
+
+bool has_border(const Faces& faces) {
+  return !single_edges({faces.data(), faces.data() + faces.size()}).empty();
 }
 
 /// Returns the RMS distance of the border of a surface beyond that of another one.
@@ -59,10 +62,13 @@ double beyond(const SurfaceIndex& of, const SurfaceIndex& on) {
 
 class Fit {
  public:
+  /// Aligns the template.
   explicit Fit(const FitProblem& problem);
-  FitResult run();
+  /// Fits it, with progress in a part of several.
+  FitResult run(bool borders, std::size_t part, std::size_t parts);
 
  private:
+  void start(bool borders);
   void run_stage(int stage, double length);
   void weigh(double length);
   void rotate();
@@ -74,7 +80,6 @@ class Fit {
   std::string advice_without_partners() const;
 
   const FitProblem& of_;
-  const FitConstants& with_;
   std::shared_ptr<ThreadPool> pool_;
   std::vector<int> anchors_;  // vertices of the region
 
@@ -92,9 +97,7 @@ class Fit {
   FitResult result_;
 };
 
-/// Aligns the template, and prepares pairs and energy for it.
-Fit::Fit(const FitProblem& problem)
-    : of_(problem), with_(problem.settings.constants), pool_(std::make_shared<ThreadPool>(problem.threads)) {
+Fit::Fit(const FitProblem& problem) : of_(problem), pool_(std::make_shared<ThreadPool>(problem.threads)) {
   const Region& region = of_.region;
   const Points given = gather(of_.mesh.vertices, region.mesh_vertex);
   const SurfaceSize own = size_of(given, region.faces);
@@ -105,15 +108,10 @@ Fit::Fit(const FitProblem& problem)
         .at("region");
   }
   refuse_fans(region, 1, std::numeric_limits<int>::max());
-  std::vector<char> free(static_cast<std::size_t>(region.size()), 1);  // whether the scan may draw a vertex
   for (int i = 0; i < region.size(); ++i) {
     if (region.classes[i] == VertexClass::Anchor) {
-      free[static_cast<std::size_t>(i)] = 0;
       anchors_.push_back(i);
     }
-  }
-  for (const int i : of_.excluded) {
-    free[static_cast<std::size_t>(i)] = 0;
   }
   const FitAlign usual = !anchors_.empty()                     ? FitAlign::None
                          : of_.settings.mode == FitMode::Shape ? FitAlign::Similarity
@@ -148,26 +146,14 @@ Fit::Fit(const FitProblem& problem)
   const Alignment alignment = align(*surface_, of_.scan, in_place, from, targets_, allowed, *pool_);
   const SimilarityMap& map = alignment.map;
   turned_ = map.rotation;
-  rest_ = points_ = map.all(before);
-  velocity_.setZero(region.size(), 3);
+  rest_ = map.all(before);
   size_ = map.scale;
-  surface_->move(points_, *pool_);
-  std::vector<int> keep = anchors_;
-  for (const FitLandmark& landmark : of_.landmarks) {
-    keep.push_back(landmark.vertex);
-  }
-  hidden_ = std::make_unique<HiddenPieces>(region, *surface_, keep, of_.excluded);
-  for (const int i : hidden_->vertices()) {
-    free[static_cast<std::size_t>(i)] = 0;
-  }
-  pairs_ = std::make_unique<Correspondences>(of_.scan, *surface_, std::move(free),
-                                             of_.settings.distance / of_.scan.size(), of_.settings.borders, with_);
   TriangleMesh aligned = {Points::Zero(of_.mesh.vertices.rows(), 3), of_.mesh.faces};
   scatter(region.mesh_vertex, rest_, aligned.vertices);
-  energy_ = std::make_unique<TemplateEnergy>(aligned, region, rest_, size_, with_.membrane, pool_);
+  energy_ = std::make_unique<TemplateEnergy>(aligned, region, rest_, size_, kFit.membrane, pool_);
   if (of_.settings.mode == FitMode::Pose) {
     smoothing_ = std::make_unique<TemplateEnergy>(*energy_);
-    smoothing_->factor(with_.average * size_, energy_->mass());
+    smoothing_->factor(kFit.average * size_, energy_->mass());
   }
   FitReport& report = result_.report;
   report.mode = name(of_.settings.mode);
@@ -181,23 +167,39 @@ Fit::Fit(const FitProblem& problem)
     report.by_landmarks = (map.all(from) - targets_).norm() / (targets_.rowwise() - targets_.colwise().mean()).norm();
   }
   report.orientations = alignment.orientations;
-  for (double* each : {&report.orientations.chosen, &report.orientations.mirrored}) {
-    *each *= unit;
+}
+
+/// Puts the template to its aligned positions, and decides which of its vertices the scan may draw.
+void Fit::start(bool borders) {
+  const int n = of_.region.size();
+  points_ = rest_;
+  velocity_.setZero(n, 3);
+  surface_->move(points_, *pool_);
+  std::vector<int> keep = anchors_;
+  for (const FitLandmark& landmark : of_.landmarks) {
+    keep.push_back(landmark.vertex);
   }
-  if (report.orientations.second) {
-    *report.orientations.second *= unit;
+  hidden_ = std::make_unique<HiddenPieces>(of_.region, *surface_, keep, of_.excluded);
+  std::vector<char> free(static_cast<std::size_t>(n), 1);
+  for (int i = 0; i < n; ++i) {
+    free[static_cast<std::size_t>(i)] = of_.region.classes[i] == VertexClass::Anchor || hidden_->hides(i) ? 0 : 1;
   }
+  for (const int i : of_.excluded) {
+    free[static_cast<std::size_t>(i)] = 0;
+  }
+  pairs_ = std::make_unique<Correspondences>(of_.scan, *surface_, std::move(free),
+                                             of_.settings.distance / of_.scan.size(), borders);
   pairs_->turn_normals(*pool_);
-  report.reversed_normals = pairs_->reversed();
+  result_.report.reversed_normals = pairs_->reversed();
 }
 
 void Fit::weigh(double length) {
-  least_ = pairs_->weights().cwiseMax(with_.unmatched_weight);
+  least_ = pairs_->weights().cwiseMax(kFit.unmatched_weight);
   held_.setZero(of_.region.size());
-  const double weight = with_.landmark_weight * length * length / energy_->mean_area();
+  const double weight = kFit.landmark_weight * length * length / energy_->mean_area();
   // Landmarks decide in the first stages which part goes where, and in the last ones as far as they are accurate.
-  const double error = of_.settings.accuracy ? *of_.settings.accuracy / of_.scan.size() : with_.accuracy,
-               trust = std::min(1.0, with_.trust * length * length / std::max(error * error, 1e-300));
+  const double error = of_.settings.accuracy ? *of_.settings.accuracy / of_.scan.size() : kFit.accuracy,
+               trust = std::min(1.0, kFit.trust * length * length / std::max(error * error, 1e-300));
   for (const FitLandmark& landmark : of_.landmarks) {
     held_[landmark.vertex] = trust * weight * landmark.weight * landmark.weight;
   }
@@ -245,7 +247,7 @@ void Fit::pull() {
     }
     forces_.row(landmark.vertex) += held_[landmark.vertex] * offset.transpose();
   }
-  const SimilarityMap whole = best_similarity(rest_, points_ + with_.hold * (rest_ - points_), 0, energy_->mass());
+  const SimilarityMap whole = best_similarity(rest_, points_ + kFit.hold * (rest_ - points_), 0, energy_->mass());
   if (of_.settings.mode == FitMode::Pose) {
     rotate();
     energy_->add_rotated(result_.rotations, whole.scale, forces_);
@@ -257,10 +259,10 @@ void Fit::pull() {
 }
 
 void Fit::run_stage(int stage, double length) {
-  const double part = std::min(1.0, energy_->mean_area() * with_.per_length * with_.per_length / (length * length));
-  for (int round = 0; round < with_.rounds; ++round) {
+  const double part = std::min(1.0, energy_->mean_area() * kFit.per_length * kFit.per_length / (length * length));
+  for (int round = 0; round < kFit.rounds; ++round) {
     const std::string text = "fit: stage " + std::to_string(stage + 1) + " of " + std::to_string(kStages) + distance_;
-    const double fraction = (stage + static_cast<double>(round) / with_.rounds) / kStages;
+    const double fraction = (stage + static_cast<double>(round) / kFit.rounds) / kStages;
     report_progress(fraction, text.c_str());
     surface_->move(points_, *pool_);
     if (round == 0 && stage == kNear) {
@@ -276,14 +278,14 @@ void Fit::run_stage(int stage, double length) {
       distance_ = format_text(", distance %.3g", measured(false).rms);
     }
     pull();
-    const bool last = stage + 1 == kStages && round + 1 == with_.rounds;
+    const bool last = stage + 1 == kStages && round + 1 == kFit.rounds;
     Points step;
     if (last) {
       energy_->solve_accurately(forces_, step);
     } else {
       energy_->solve(forces_, step);
     }
-    velocity_ = last ? step : with_.momentum * velocity_ + step;
+    velocity_ = last ? step : kFit.momentum * velocity_ + step;
     points_ += velocity_;
     hidden_->follow(rest_, of_.settings.mode == FitMode::Shape, points_);
   }
@@ -349,30 +351,13 @@ void Fit::check_landmarks() {
 /// Returns how many times as long as the median of all triangles the most stretched ones became, apart from half a
 /// percent of them.
 double Fit::largest_stretch() const {
-  std::vector<double> stretches;
-  const Faces& faces = of_.region.faces;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const auto metric = [&](const Points& points) {
-      Eigen::Matrix<double, 3, 2> edges;
-      edges << (points.row(faces(f, 1)) - points.row(faces(f, 0))).transpose(),
-          (points.row(faces(f, 2)) - points.row(faces(f, 0))).transpose();
-      return Eigen::Matrix2d(edges.transpose() * edges);
-    };
-    const Eigen::Matrix2d before = metric(rest_);
-    constexpr double kNeedle = 1e-6;
-    if (before.determinant() > kNeedle * before.trace() * before.trace()) {
-      const Eigen::Matrix2d ratio = before.inverse() * metric(points_);
-      const double half = ratio.trace() / 2;
-      stretches.push_back(std::sqrt(half + std::sqrt(std::max(0.0, half * half - ratio.determinant()))));
-    }
-  }
-  if (stretches.empty()) {
+  std::vector<FaceStretch> all = face_stretches(of_.region, rest_, points_);
+  if (all.empty()) {
     return 1;
   }
-  std::sort(stretches.begin(), stretches.end());
+  std::sort(all.begin(), all.end(), [](const FaceStretch& a, const FaceStretch& b) { return a.factor < b.factor; });
   constexpr double kMost = 0.995;
-  return stretches[static_cast<std::size_t>(kMost * static_cast<double>(stretches.size() - 1))] /
-         stretches[stretches.size() / 2];
+  return all[static_cast<std::size_t>(kMost * static_cast<double>(all.size() - 1))].factor / all[all.size() / 2].factor;
 }
 
 /// Measures the fit, and converts its positions to model units.
@@ -405,8 +390,10 @@ void Fit::finish(double length) {
   }
 }
 
-FitResult Fit::run() {
-  const double first = with_.first_length * size_,
+FitResult Fit::run(bool borders, std::size_t part, std::size_t parts) {
+  const ProgressPart progress(part, parts);
+  start(borders);
+  const double first = kFit.first_length * size_,
                last = std::max(of_.settings.detail * size_, energy_->edge_length() / 2);
   const double ratio = std::sqrt(std::sqrt(std::sqrt(last / first)));
   double length = first;
@@ -414,7 +401,7 @@ FitResult Fit::run() {
     run_stage(stage, length);
   }
   finish(length);
-  return std::move(result_);
+  return result_;
 }
 
 }  // namespace
@@ -422,18 +409,18 @@ FitResult Fit::run() {
 FitResult fit_template(const FitProblem& problem, const Progress& progress) {
   validate(problem.settings);
   const ProgressScope scope(progress);
-  FitResult result = Fit(problem).run();
+  const bool may_slide = !problem.settings.borders && problem.region.count(VertexClass::Anchor) == 0 &&
+                         problem.scan.surface().has_border() && has_border(problem.region.faces);
+  Fit fit(problem);
+  const FitResult result = fit.run(problem.settings.borders, 0, may_slide ? 2 : 1);
   const FitReport& report = result.report;
   // Where each border lies beyond the other one by similar distances, the template slid. Of a cropped scan it is one.
   constexpr double kSimilar = 0.4, kClearly = 0.5, kMostStretch = 1.5;
   const double overlap = report.overlap(), larger = std::max(report.to_scan.beyond, report.from_scan.beyond);
-  if (problem.settings.borders || problem.region.count(VertexClass::Anchor) > 0 || overlap < kSlid * report.size ||
-      overlap < kSimilar * larger) {
+  if (!may_slide || overlap < kSlid * report.size || overlap < kSimilar * larger) {
     return result;
   }
-  FitProblem again = problem;
-  again.settings.borders = true;
-  FitResult other = Fit(again).run();
+  FitResult other = fit.run(true, 1, 2);
   const FitReport& drawn = other.report;
   if (std::max(drawn.to_scan.beyond, drawn.from_scan.beyond) > kClearly * overlap ||
       drawn.largest_stretch > kMostStretch) {

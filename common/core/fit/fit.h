@@ -7,7 +7,6 @@
 #include "lapedit/base/progress.h"
 #include "lapedit/deform/edit_report.h"
 #include "lapedit/fit/align.h"
-#include "lapedit/fit/fit_constants.h"
 #include "lapedit/mesh/region.h"
 
 namespace lapedit {
@@ -28,8 +27,7 @@ struct ScanFitSettings {
   /// Draws the template's border to that of the scan: both end at the same lines. Without it a fit does so only if the
   /// template slid along the scan, and both then cover each other.
   bool borders = false;
-  double distance = 0;          ///< up to which pairs count fully, model units; 0: from the distances
-  FitConstants constants = {};  ///< internal
+  double distance = 0;  ///< up to which pairs count fully, model units; 0: from the distances
 };
 
 inline const char* name(FitMode mode) {

@@ -4,7 +4,7 @@
 namespace lapedit {
 
 /// Constants of a fit. Internal and not selectable by users.
-struct FitConstants {
+constexpr struct {
   double first_length = 0.4;        ///< over the template's size
   double unmatched_weight = 0.001;  ///< of a vertex without a partner, so that it keeps its position
   double landmark_weight = 80;      ///< times l^2 over the mean vertex area
@@ -21,6 +21,6 @@ struct FitConstants {
   double tangential = 0.2;       ///< of a displacement along the surface, which only landmarks decide
   double times = 5, most = 0.7;  ///< pairs count fully up to `times` the quantile `most` of distances
   double cosine = 0.5;           ///< of the largest angle between normals
-};
+} kFit = {};
 
 }  // namespace lapedit

@@ -50,13 +50,7 @@ std::vector<int> HiddenPieces::take_shown(const SurfaceIndex& surface, const Sca
     return taken;
   }
   Faces faces = surface.faces();
-  Eigen::Index count = 0;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    if (is_hidden_[static_cast<std::size_t>(faces(f, 0))] == 0) {
-      faces.row(count++) = faces.row(f);
-    }
-  }
-  faces.conservativeResize(count, 3);
+  keep_faces(faces, [&](Eigen::Index f) { return !hides(faces(f, 0)); });
   const SurfaceIndex others(surface.points(), std::move(faces));
   const auto is_shown = [&](const Piece& piece) {
     constexpr double kNearer = 0.25, kMost = 0.6;  // kNearer: squared
@@ -86,7 +80,7 @@ void HiddenPieces::find_around(const Points& rest, Piece& piece) const {
   const double radius = std::sqrt((own.rowwise() - centre).rowwise().squaredNorm().maxCoeff());
   std::vector<std::pair<double, int>> near;
   for (int i = 0; i < rest.rows(); ++i) {
-    if (is_hidden_[static_cast<std::size_t>(i)] == 0) {
+    if (!hides(i)) {
       near.emplace_back(std::max(0.0, (rest.row(i) - centre).norm() - radius), i);
     }
   }
@@ -101,14 +95,6 @@ void HiddenPieces::find_around(const Points& rest, Piece& piece) const {
     }
   }
   piece.weights = Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()));
-}
-
-std::vector<int> HiddenPieces::vertices() const {
-  std::vector<int> all;
-  for (const Piece& piece : pieces_) {
-    all.insert(all.end(), piece.vertices.begin(), piece.vertices.end());
-  }
-  return all;
 }
 
 void HiddenPieces::follow(const Points& rest, bool scaled, Points& points) const {

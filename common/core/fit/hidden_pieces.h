@@ -23,7 +23,8 @@ class HiddenPieces {
   /// than the other components are. @return their vertices
   std::vector<int> take_shown(const SurfaceIndex& surface, const Scan& scan);
 
-  std::vector<int> vertices() const;  ///< of all hidden pieces
+  /// Returns whether a vertex is of a component that was taken, even if it is no longer hidden.
+  bool hides(int vertex) const { return is_hidden_[static_cast<std::size_t>(vertex)] != 0; }
   int count() const { return static_cast<int>(pieces_.size()); }
   /// Gives the pieces the positions to which the surface around them takes them. @param scaled  whether their size may
   /// change

@@ -2,6 +2,7 @@
 #include "lapedit/fit/scan.h"
 
 #include <cmath>
+#include <limits>
 
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
@@ -15,32 +16,28 @@ bool encloses_volume(const SurfaceIndex& surface) {
   const Points& p = surface.points();
   double volume = 0;
   for (const auto& face : surface.faces().rowwise()) {
-    if (surface.is_on_border(face[0]) || surface.is_on_border(face[1]) || surface.is_on_border(face[2])) {
-      return false;
-    }
     volume += p.row(face[0]).dot(p.row(face[1]).cross(p.row(face[2])));
   }
-  return volume > 0;
+  return volume > 0 && !surface.has_border();
+}
+
+/// Returns a degenerate face per point.
+Faces faces_of_points(Eigen::Index count) {
+  return Eigen::VectorXi::LinSpaced(count, 0, static_cast<int>(count) - 1).replicate(1, 3);
 }
 
 /// Returns the faces that have an area and finite corners, each once; for a cloud, one degenerate face per finite point
 /// that has a normal.
 Faces sound_faces(const ScanData& data, bool cloud) {
   const Points& points = data.mesh.vertices;
-  Faces faces =
-      cloud ? Faces(Eigen::VectorXi::LinSpaced(points.rows(), 0, static_cast<int>(points.rows()) - 1).replicate(1, 3))
-            : Weld(points).faces(data.mesh.faces);
+  Faces faces = cloud ? faces_of_points(points.rows()) : Weld(points).faces(data.mesh.faces);
   if (!cloud) {
     keep_distinct(faces);
   }
   const Eigen::VectorXd sizes = cloud ? Eigen::VectorXd(data.normals.rowwise().norm()) : face_areas(points, faces);
-  Eigen::Index count = 0;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    if (sizes[f] > 0 && std::isfinite(sizes[f]) && points.row(faces(f, 0)).allFinite()) {
-      faces.row(count++) = faces.row(f);
-    }
-  }
-  faces.conservativeResize(count, 3);
+  keep_faces(faces, [&](Eigen::Index f) {
+    return sizes[f] > 0 && std::isfinite(sizes[f]) && points.row(faces(f, 0)).allFinite();
+  });
   return faces;
 }
 
@@ -87,6 +84,51 @@ Scan::Scan(const ScanData& data) : name_(data.name) {
   surface_ = std::make_unique<SurfaceIndex>(std::move(points), std::move(faces),
                                             cloud ? Points(data.normals.rowwise().normalized()) : Points());
   outward_ = encloses_volume(*surface_);
+}
+
+Eigen::MatrixXd carry_over(const TriangleMesh& scan, const Eigen::MatrixXd& values, const Points& at,
+                           std::optional<double> within) {
+  if (values.rows() != scan.vertices.rows()) {
+    throw EditError(ErrorCause::BadParameter, "The scan has " + std::to_string(scan.vertices.rows()) +
+                                                  " vertices, but there are " + std::to_string(values.rows()) +
+                                                  " rows of values: give one row per vertex.");
+  }
+  if (within && !(*within >= 0)) {
+    throw EditError(ErrorCause::BadParameter, "The distance up to which values are carried over is " +
+                                                  number_text(*within) + ": give a length of 0 or more, model units.");
+  }
+  // Unlike in a fit, corners at one position stay apart: at a seam of the texture they have other values.
+  const bool cloud = scan.faces.rows() == 0;
+  if (!cloud) {
+    validate(scan);
+  }
+  Faces faces = cloud ? faces_of_points(scan.vertices.rows()) : scan.faces;
+  keep_faces(faces, [&](Eigen::Index f) {
+    const auto corner = [&](int k) { return scan.vertices.row(faces(f, k)); };
+    return (cloud || faces(f, 0) != faces(f, 1)) && (corner(0) + corner(1) + corner(2)).allFinite();
+  });
+  if (faces.rows() == 0) {
+    throw EditError(ErrorCause::EmptyMesh, "The scan has no finite point: give the scan that the mesh was fitted to.");
+  }
+  constexpr double kShare = 0.02;
+  const double most = within.value_or(kShare * size_of(scan.vertices, faces).size);
+  const SurfaceIndex surface(scan.vertices, faces, Points::Zero(scan.vertices.rows(), 3));
+  Eigen::MatrixXd carried =
+      Eigen::MatrixXd::Constant(at.rows(), values.cols(), std::numeric_limits<double>::quiet_NaN());
+  ThreadPool pool(0);
+  constexpr int kGrain = 256;
+  for_indices(pool, static_cast<int>(at.rows()), kGrain, [&](int i) {
+    if (!at.row(i).allFinite()) {
+      return;
+    }
+    const NearestPoint found = surface.nearest(at.row(i).transpose());
+    if (found.squared <= most * most) {
+      const auto corners = faces.row(found.face);
+      carried.row(i) = found.weights[0] * values.row(corners[0]) + found.weights[1] * values.row(corners[1]) +
+                       found.weights[2] * values.row(corners[2]);
+    }
+  });
+  return carried;
 }
 
 }  // namespace lapedit

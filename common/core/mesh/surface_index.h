@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "lapedit/base/thread_pool.h"
@@ -56,6 +57,7 @@ class SurfaceIndex {
   bool ends_at(const NearestPoint& at) const;
 
   bool is_on_border(int vertex) const { return border_[static_cast<std::size_t>(vertex)] != 0; }
+  bool has_border() const { return std::find(border_.begin(), border_.end(), 1) != border_.end(); }
 
   /// @param axes  a rotation; samples are chosen along its columns
   SurfaceSamples samples(int count, const Matrix3& axes) const;

@@ -50,29 +50,26 @@ bool is_thick(const ComponentVolume& one) {
 
 }  // namespace
 
-double stretched_area(const Region& region, const Points& before, const Points& after, double factor) {
+std::vector<FaceStretch> face_stretches(const Region& region, const Points& before, const Points& after) {
   const auto metric = [](const Points& points, const auto& face) {
     const Vector3 u = points.row(face[1]) - points.row(face[0]), v = points.row(face[2]) - points.row(face[0]);
     return Vector3(u.dot(u), u.dot(v), v.dot(v));
   };
-  double all = 0, stretched = 0;
+  std::vector<FaceStretch> stretches;
   Checkpoints checkpoints;
   for (const auto& face : region.faces.rowwise()) {
     checkpoints();
+    constexpr double kNeedle = 1e-6;
     const Vector3 old = metric(before, face), now = metric(after, face);
-    const double squared = old[0] * old[2] - old[1] * old[1];  // of twice the area
-    if (!(squared > 0)) {
-      continue;
-    }
-    // The larger eigenvalue of old^-1 now, where `old` is positive definite and `now` positive semidefinite.
-    const double half = (now[0] * old[2] - 2 * now[1] * old[1] + now[2] * old[0]) / (2 * squared);
-    const double product = (now[0] * now[2] - now[1] * now[1]) / squared;
-    all += std::sqrt(squared);
-    if (half + std::sqrt(std::max(0.0, half * half - product)) > factor * factor) {
-      stretched += std::sqrt(squared);
+    const double squared = old[0] * old[2] - old[1] * old[1], size = old[0] + old[2];
+    if (squared > kNeedle * size * size) {
+      // The larger eigenvalue of old^-1 now, where `old` is positive definite and `now` positive semidefinite.
+      const double half = (now[0] * old[2] - 2 * now[1] * old[1] + now[2] * old[0]) / (2 * squared);
+      const double product = (now[0] * now[2] - now[1] * now[1]) / squared;
+      stretches.push_back({std::sqrt(half + std::sqrt(std::max(0.0, half * half - product))), std::sqrt(squared) / 2});
     }
   }
-  return all > 0 ? stretched / all : 0;
+  return stretches;
 }
 
 Bend bend_at_anchors(const Region& region, const Points& before, const Points& after) {

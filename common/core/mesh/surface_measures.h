@@ -26,9 +26,12 @@ struct EdgeStretch {
 };
 EdgeStretch edge_stretch(const Region& region, const Points& before, const Points& after);
 
-/// Returns the fraction of the region's area that became more than `factor` times as long in some direction. Faces
-/// without area are skipped. Cost: O(faces).
-double stretched_area(const Region& region, const Points& before, const Points& after, double factor);
+/// How many times as long a triangle became in the direction in which it grew most, and its area before.
+struct FaceStretch {
+  double factor, area;
+};
+/// Returns those of the region's faces but for needles, which have hardly any area. Cost: O(faces).
+std::vector<FaceStretch> face_stretches(const Region& region, const Points& before, const Points& after);
 
 /// The vertex at which the surface bends most, and by how many degrees more than before, in either direction.
 struct Bend {

@@ -74,15 +74,9 @@ bool keep_distinct(Faces& faces) {
       is_kept[*face] = face == first || corners_of(*face) != corners_of(face[-1]) ? 1 : 0;
     }
   }
-  Eigen::Index count = 0;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    if (is_kept[f] != 0) {
-      faces.row(count++) = faces.row(f);
-    }
-  }
-  const bool any = count < faces.rows();
-  faces.conservativeResize(count, 3);
-  return any;
+  const Eigen::Index before = faces.rows();
+  keep_faces(faces, [&is_kept](Eigen::Index f) { return is_kept[f] != 0; });
+  return faces.rows() < before;
 }
 
 std::vector<int> usable_vertices(const TriangleMesh& mesh) {

@@ -24,6 +24,18 @@ void validate(const TriangleMesh& mesh);
 /// Coordinates are not part of it.
 std::string connectivity_checksum(std::size_t vertex_count, const Faces& faces);
 
+/// Keeps the faces whose numbers `keep` accepts, in their order.
+template <class Keep>
+void keep_faces(Faces& faces, const Keep& keep) {
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    if (keep(f)) {
+      faces.row(count++) = faces.row(f);
+    }
+  }
+  faces.conservativeResize(count, 3);
+}
+
 /// Removes the faces that are no part of a surface: those that name a vertex twice, and those with the three vertices
 /// of an earlier face, in any order. The others keep their order. Corners have to be in range. O(vertices + faces)
 /// @return whether there were any

@@ -308,8 +308,8 @@ TEST(Progress, ScopesAreNestedAndEmptyOnesKeepTheOuter) {
     const ProgressScope scope(outer);
     const ProgressScope same(empty);
     {
-      const ProgressPart part(1, 2);
-      report_progress(0.5, "first");
+      const ProgressPart part(1, 2), of_part(0, 2);
+      report_progress(1, "first");
     }
     report_progress(0.5, "second");  // fractions do not fall
     {
