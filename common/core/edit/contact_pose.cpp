@@ -399,13 +399,10 @@ void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& c
     }
     return pose;
   };
-  int first = 1, last = steps;  // the first pose that crosses something is one of these
-  while (first < last) {
-    const int middle = (first + last) / 2;
-    include(at(middle));
-    const bool clear = surface_->is_clear(whole(at(middle)), *system.pool);
-    first = clear ? middle + 1 : first;
-    last = clear ? last : middle;
+  int first = steps;  // the first pose of those that cross something at the end
+  for (bool clear = false; first > 1 && !clear; first -= clear ? 0 : 1) {
+    include(at(first - 1));
+    clear = surface_->is_clear(whole(at(first - 1)), *system.pool);
   }
   pose_ = at(first - 1);
   converged_ = true;

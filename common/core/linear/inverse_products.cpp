@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
@@ -13,7 +15,8 @@ InverseProducts::InverseProducts(std::shared_ptr<const FactoredNormalMatrix> mat
                                  std::shared_ptr<const WoodburyCorrection> correction, std::shared_ptr<ThreadPool> pool)
     : matrix_(std::move(matrix)),
       correction_(correction ? std::move(correction) : std::make_shared<const WoodburyCorrection>()),
-      cholesky_(matrix_->cholesky, std::move(pool)),
+      pool_(std::move(pool)),
+      cholesky_(matrix_->cholesky, pool_),
       corrected_(static_cast<std::size_t>(matrix_->squared_weights.size()), -1),
       half_(corrected_.size(), -1) {
   for (std::size_t c = 0; c < correction_->rows.size(); ++c) {
@@ -83,34 +86,55 @@ Eigen::MatrixXd InverseProducts::operator()(const SparseMatrix& c) {
       use(first_rows[p], static_cast<int>(p));
     }
   });
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, count), y, product;
-  std::vector<Eigen::Index> columns;
+  std::vector<int> blocks;
   for (int first = 0; first < by_block.rows(); ++first) {
-    const auto list = by_block[first];
-    if (list.size() == 0) {
-      continue;
+    if (by_block[first].size() > 0) {
+      blocks.push_back(first);
     }
-    const int size = parts[static_cast<std::size_t>(*list.begin())].size;
-    y.resize(size, list.size());
-    columns.clear();
-    for (const int p : list) {
-      const Part& part = parts[static_cast<std::size_t>(p)];
-      if (columns.empty() || columns.back() != part.column) {
-        columns.push_back(part.column);
-        y.col(static_cast<Eigen::Index>(columns.size()) - 1).setZero();
+  }
+  // Threads share blocks, then columns, so that sums have a fixed order.
+  constexpr std::size_t kTogether = 32;
+  constexpr int kShares = 8;
+  struct Product {
+    std::vector<Eigen::Index> columns;
+    Eigen::MatrixXd values;
+  };
+  std::array<Product, kTogether> products;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, count);
+  for (std::size_t begin = 0; begin < blocks.size(); begin += kTogether) {
+    const auto together = static_cast<int>(std::min(kTogether, blocks.size() - begin));
+    pool_->each(together, [&](int k) {
+      auto& [columns, values] = products[static_cast<std::size_t>(k)];
+      const auto list = by_block[blocks[begin + static_cast<std::size_t>(k)]];
+      const int size = parts[static_cast<std::size_t>(*list.begin())].size;
+      Eigen::MatrixXd y(size, list.size());
+      columns.clear();
+      for (const int p : list) {
+        const Part& part = parts[static_cast<std::size_t>(p)];
+        if (columns.empty() || columns.back() != part.column) {
+          columns.push_back(part.column);
+          y.col(static_cast<Eigen::Index>(columns.size()) - 1).setZero();
+        }
+        y.col(static_cast<Eigen::Index>(columns.size()) - 1) +=
+            part.entry * Eigen::Map<const Eigen::VectorXd>(part.values, size);
       }
-      y.col(static_cast<Eigen::Index>(columns.size()) - 1) +=
-          part.entry * Eigen::Map<const Eigen::VectorXd>(part.values, size);
-    }
-    const auto active = static_cast<Eigen::Index>(columns.size());
-    checkpoint(static_cast<int>(active));
-    product.setZero(active, active);
-    product.selfadjointView<Eigen::Lower>().rankUpdate(y.leftCols(active).transpose());
-    for (Eigen::Index j = 0; j < active; ++j) {
-      for (Eigen::Index i = j; i < active; ++i) {
-        result(columns[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(j)]) += product(i, j);
+      const auto active = static_cast<Eigen::Index>(columns.size());
+      checkpoint(static_cast<int>(active));
+      values.setZero(active, active);
+      values.selfadjointView<Eigen::Lower>().rankUpdate(y.leftCols(active).transpose());
+    });
+    pool_->each(kShares, [&](int share) {
+      for (int k = 0; k < together; ++k) {
+        const auto& [columns, values] = products[static_cast<std::size_t>(k)];
+        const auto active = static_cast<Eigen::Index>(columns.size());
+        for (Eigen::Index j = 0; j < active; ++j) {
+          const Eigen::Index column = columns[static_cast<std::size_t>(j)];
+          for (Eigen::Index i = column % kShares == share ? j : active; i < active; ++i) {
+            result(columns[static_cast<std::size_t>(i)], column) += values(i, j);
+          }
+        }
       }
-    }
+    });
   }
   if (corrections > 0) {
     const Eigen::MatrixXd given = compliances.leftCols(static_cast<Eigen::Index>(correction_->rows.size()));

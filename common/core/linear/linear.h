@@ -189,6 +189,7 @@ class InverseProducts {
 
   std::shared_ptr<const FactoredNormalMatrix> matrix_;
   std::shared_ptr<const WoodburyCorrection> correction_;
+  std::shared_ptr<ThreadPool> pool_;
   SparseCholesky cholesky_;         // of A0
   std::vector<int> corrected_;      // per row: its column of E, or -1
   std::vector<HalfColumn> halves_;  // of rows with entries

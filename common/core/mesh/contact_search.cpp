@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "lapedit/base/compressed_rows.h"
 #include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/surface_index.h"
 
@@ -224,6 +225,7 @@ void ContactSurface::set_resting(const Points& more, const Faces& resting) {
   add_tree(moving_faces_, resting);
   resting_bounded_ = false;
   crosses_.clear();
+  piece_.clear();
   crossing_pieces_.clear();
 }
 
@@ -240,7 +242,7 @@ void ContactSurface::add_tree(int first, const Faces& faces) {
     order_[f] = f;
   }
   if (first < count) {
-    Patches patches(rest_.rows(), faces);
+    Patches patches = first > 0 ? Patches(rest_.rows()) : Patches(rest_.rows(), faces);
     build(first, count, centres, patches);
   }
   for (int f = first; f < count; ++f) {
@@ -250,37 +252,47 @@ void ContactSurface::add_tree(int first, const Faces& faces) {
   node_bounds_.resize(nodes_.size());
 }
 
-/// Finds the pieces, and what each face stands for: the first face with a corner or an edge does.
-void ContactSurface::find_owners() {
+/// Finds what each face stands for: the first face with a corner or an edge does.
+void ContactSurface::find_owners(ThreadPool& pool) {
+  const auto count = static_cast<int>(faces_.rows());
+  const CompressedRows at = lists_of(static_cast<int>(rest_.rows()), [this, count](const auto& use) {
+    for (int f = 0; f < count; ++f) {
+      for (const int v : faces_.row(f)) {
+        use(v, f);
+      }
+    }
+  });
+  owned_.assign(static_cast<std::size_t>(count), 0);
+  for_indices(pool, count, kGrain, [&](int f) {
+    for (int k = 0; k < 3; ++k) {
+      const int corner = faces_(f, k);
+      const auto [a, b] = ascending(corner, faces_(f, (k + 1) % 3));
+      const auto has_end = [this, end = b](int g) { return (faces_.row(g).array() == end).any(); };
+      owned_[f] |= static_cast<unsigned char>((*at[corner].begin() == f ? 1 : 0) << k);
+      owned_[f] |= static_cast<unsigned char>((*std::find_if(at[a].begin(), at[a].end(), has_end) == f ? 8 : 0) << k);
+    }
+  });
+}
+
+/// Finds the connected components.
+void ContactSurface::find_pieces() {
   const auto count = static_cast<int>(faces_.rows());
   std::vector<int> all(static_cast<std::size_t>(count));
   std::iota(all.begin(), all.end(), 0);
   Patches patches(rest_.rows());
   patches.join(faces_, all, 0, count);
   piece_.resize(static_cast<std::size_t>(count));
-  owned_.assign(static_cast<std::size_t>(count), 0);
-  std::vector<std::vector<int>> seen(static_cast<std::size_t>(rest_.rows()));  // ends of edges, by their lower vertex
-  std::vector<char> has_owner(static_cast<std::size_t>(rest_.rows()), 0);
   for (int f = 0; f < count; ++f) {
     piece_[f] = patches.find(faces_(f, 0));
-    for (int k = 0; k < 3; ++k) {
-      const auto [a, b] = ascending(faces_(f, k), faces_(f, (k + 1) % 3));
-      const int corner = faces_(f, k);
-      owned_[f] |= static_cast<unsigned char>((has_owner[corner] ? 0 : 1) << k);
-      has_owner[corner] = 1;
-      if (std::find(seen[a].begin(), seen[a].end(), b) == seen[a].end()) {
-        seen[a].push_back(b);
-        owned_[f] |= static_cast<unsigned char>(8 << k);
-      }
-    }
   }
 }
 
 int ContactSurface::build(int first, int last, const Points& centres, Patches& patches) {
   checkpoint(last - first);
   const auto node = static_cast<int>(nodes_.size());
-  constexpr int kLargestPatch = 512;  // larger ones are hardly ever smooth
-  nodes_.push_back({first, last, -1, last - first <= kLargestPatch && patches.is_patch(faces_, order_, first, last)});
+  // Larger ones are hardly ever smooth; of resting ones only leaves are asked for.
+  const int largest_patch = first < moving_faces_ ? 512 : kLeaf;
+  nodes_.push_back({first, last, -1, last - first <= largest_patch && patches.is_patch(faces_, order_, first, last)});
   if (last - first > kLeaf) {
     Eigen::AlignedBox3d box;
     for (int k = first; k < last; ++k) {
@@ -299,37 +311,45 @@ int ContactSurface::build(int first, int last, const Points& centres, Patches& p
 }
 
 void ContactSurface::bound(const Points& from, const Points& to, ThreadPool& pool) {
-  const bool all = !resting_bounded_;
+  const bool all = !resting_bounded_, moves = &from != &to;
   resting_bounded_ = true;
   in_pieces(pool, all ? static_cast<int>(faces_.rows()) : moving_faces_, kGrain, [&](int first, int last) {
     for (int f = first; f < last; ++f) {
       Bounds& bounds = face_bounds_[f];
-      std::array<Vector3, 3> a, b;
-      for (int k = 0; k < 3; ++k) {
-        a[k] = row(from, faces_(f, k));
-        b[k] = row(to, faces_(f, k));
-      }
-      const Eigen::Array3d d0 = b[0] - a[0], d1 = b[1] - a[1], d2 = b[2] - a[2];
+      const auto corners = [this, f](const Points& at) {
+        return std::array<Vector3, 3>{row(at, faces_(f, 0)), row(at, faces_(f, 1)), row(at, faces_(f, 2))};
+      };
+      const auto normal = [](const std::array<Vector3, 3>& x) {
+        return (x[1] - x[0]).cross(x[2] - x[0]).normalized().array().eval();
+      };
+      const std::array<Vector3, 3> a = corners(from);
       bounds.low = a[0].cwiseMin(a[1]).cwiseMin(a[2]).array();
       bounds.high = a[0].cwiseMax(a[1]).cwiseMax(a[2]).array();
-      bounds.least = d0.min(d1).min(d2);
-      bounds.most = d0.max(d1).max(d2);
-      const Vector3 before = (a[1] - a[0]).cross(a[2] - a[0]).normalized();
-      const Vector3 after = (b[1] - b[0]).cross(b[2] - b[0]).normalized();
-      bounds.normal_low = before.cwiseMin(after).array();
-      bounds.normal_high = before.cwiseMax(after).array();
+      bounds.least = bounds.most = Eigen::Array3d::Zero();
+      bounds.normal_low = bounds.normal_high = normal(a);
+      if (moves && f < moving_faces_) {
+        const std::array<Vector3, 3> b = corners(to);
+        const Eigen::Array3d d0 = b[0] - a[0], d1 = b[1] - a[1], d2 = b[2] - a[2], after = normal(b);
+        bounds.least = d0.min(d1).min(d2);
+        bounds.most = d0.max(d1).max(d2);
+        bounds.normal_low = bounds.normal_low.min(after);
+        bounds.normal_high = bounds.normal_high.max(after);
+      }
     }
   });
-  for (int n = (all ? static_cast<int>(nodes_.size()) : moving_nodes_) - 1; n >= 0; --n) {
-    const Node& node = nodes_[n];
-    if (node.right < 0) {
-      node_bounds_[n] = face_bounds_[node.first];
-      for (int f = node.first + 1; f < node.last; ++f) {
+  const int count = all ? static_cast<int>(nodes_.size()) : moving_nodes_;
+  for_indices(pool, count, kGrain, [&](int n) {
+    if (nodes_[n].right < 0) {
+      node_bounds_[n] = face_bounds_[nodes_[n].first];
+      for (int f = nodes_[n].first + 1; f < nodes_[n].last; ++f) {
         node_bounds_[n].add(face_bounds_[f]);
       }
-    } else {
+    }
+  });
+  for (int n = count - 1; n >= 0; --n) {
+    if (nodes_[n].right >= 0) {
       node_bounds_[n] = node_bounds_[n + 1];
-      node_bounds_[n].add(node_bounds_[node.right]);
+      node_bounds_[n].add(node_bounds_[nodes_[n].right]);
     }
   }
 }
@@ -370,6 +390,9 @@ bool ContactSurface::have_common_corner(int a, int b) const {
 }
 
 bool ContactSurface::is_exempt(int f, int g) const {
+  if (piece_.empty()) {
+    return false;
+  }
   return piece_[f] == piece_[g]
              ? crosses_[f] && crosses_[g]
              : std::binary_search(crossing_pieces_.begin(), crossing_pieces_.end(), ascending(piece_[f], piece_[g]));
@@ -507,9 +530,13 @@ void ContactSurface::find_exempt(ThreadPool& pool) {
   if (!crosses_.empty()) {
     return;
   }
-  find_owners();
+  find_owners(pool);
   const auto found = crossings(rest_, pool);
   crosses_.assign(static_cast<std::size_t>(faces_.rows()), 0);
+  if (found.empty()) {
+    return;
+  }
+  find_pieces();
   std::vector<char> at(static_cast<std::size_t>(rest_.rows()), 0);
   for (const auto& [f, g] : found) {
     if (piece_[f] != piece_[g]) {
