@@ -225,7 +225,6 @@ void ContactSurface::set_resting(const Points& more, const Faces& resting) {
   add_tree(moving_faces_, resting);
   resting_bounded_ = false;
   crosses_.clear();
-  piece_.clear();
   crossing_pieces_.clear();
 }
 
@@ -272,19 +271,6 @@ void ContactSurface::find_owners(ThreadPool& pool) {
       owned_[f] |= static_cast<unsigned char>((*std::find_if(at[a].begin(), at[a].end(), has_end) == f ? 8 : 0) << k);
     }
   });
-}
-
-/// Finds the connected components.
-void ContactSurface::find_pieces() {
-  const auto count = static_cast<int>(faces_.rows());
-  std::vector<int> all(static_cast<std::size_t>(count));
-  std::iota(all.begin(), all.end(), 0);
-  Patches patches(rest_.rows());
-  patches.join(faces_, all, 0, count);
-  piece_.resize(static_cast<std::size_t>(count));
-  for (int f = 0; f < count; ++f) {
-    piece_[f] = patches.find(faces_(f, 0));
-  }
 }
 
 int ContactSurface::build(int first, int last, const Points& centres, Patches& patches) {
@@ -390,9 +376,6 @@ bool ContactSurface::have_common_corner(int a, int b) const {
 }
 
 bool ContactSurface::is_exempt(int f, int g) const {
-  if (piece_.empty()) {
-    return false;
-  }
   return piece_[f] == piece_[g]
              ? crosses_[f] && crosses_[g]
              : std::binary_search(crossing_pieces_.begin(), crossing_pieces_.end(), ascending(piece_[f], piece_[g]));
@@ -533,10 +516,15 @@ void ContactSurface::find_exempt(ThreadPool& pool) {
   find_owners(pool);
   const auto found = crossings(rest_, pool);
   crosses_.assign(static_cast<std::size_t>(faces_.rows()), 0);
+  piece_.assign(crosses_.size(), 0);
   if (found.empty()) {
     return;
   }
-  find_pieces();
+  std::vector<int> all(crosses_.size());
+  std::iota(all.begin(), all.end(), 0);
+  Patches patches(rest_.rows());
+  patches.join(faces_, all, 0, static_cast<int>(all.size()));
+  std::transform(all.begin(), all.end(), piece_.begin(), [&](int f) { return patches.find(faces_(f, 0)); });
   std::vector<char> at(static_cast<std::size_t>(rest_.rows()), 0);
   for (const auto& [f, g] : found) {
     if (piece_[f] != piece_[g]) {

@@ -78,7 +78,6 @@ class ContactSurface {
   void bound(const Points& from, const Points& to, ThreadPool& pool);
   std::vector<std::pair<int, int>> crossings(const Points& at, ThreadPool& pool);
   void find_owners(ThreadPool& pool);
-  void find_pieces();
   void find_exempt(ThreadPool& pool);
   bool may_touch(const Bounds& a, const Bounds& b) const;
   bool is_smooth(int a, int b) const;
@@ -100,7 +99,7 @@ class ContactSurface {
   bool resting_bounded_ = false;
   std::vector<Bounds> node_bounds_, face_bounds_;
   std::vector<unsigned char> owned_;  // per face: which of its corners (bits 0 to 2) and edges (3 to 5) it stands for
-  std::vector<int> piece_;            // per face: its connected component; empty: nothing crosses at rest
+  std::vector<int> piece_;            // per face: its connected component; 0: nothing crosses at rest
   std::vector<char> crosses_;         // per face: it, or a neighbour, crosses its piece at rest; empty: unknown
   std::vector<std::pair<int, int>> crossing_pieces_;  // sorted
 };
