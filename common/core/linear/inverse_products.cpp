@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <utility>
 
@@ -10,6 +9,45 @@
 #include "lapedit/linear/supernodal_solve.h"
 
 namespace lapedit {
+
+namespace {
+
+/// A block of a half, times an entry of a column of C.
+struct Part {
+  Eigen::Index column;
+  double entry;
+  const double* values;
+  int size;
+};
+
+/// Part of the result: the lower half, of some columns.
+struct Product {
+  std::vector<Eigen::Index> columns;
+  Eigen::MatrixXd values;
+};
+
+/// Multiplies the parts of one block, which are those of a list.
+void multiply(const std::vector<Part>& parts, const CompressedRows::Row& list, Product& product) {
+  const int size = parts[static_cast<std::size_t>(*list.begin())].size;
+  Eigen::MatrixXd y(size, list.size());
+  std::vector<Eigen::Index>& columns = product.columns;
+  columns.clear();
+  for (const int p : list) {
+    const Part& part = parts[static_cast<std::size_t>(p)];
+    if (columns.empty() || columns.back() != part.column) {
+      columns.push_back(part.column);
+      y.col(static_cast<Eigen::Index>(columns.size()) - 1).setZero();
+    }
+    y.col(static_cast<Eigen::Index>(columns.size()) - 1) +=
+        part.entry * Eigen::Map<const Eigen::VectorXd>(part.values, size);
+  }
+  const auto active = static_cast<Eigen::Index>(columns.size());
+  checkpoint(static_cast<int>(active));
+  product.values.setZero(active, active);
+  product.values.selfadjointView<Eigen::Lower>().rankUpdate(y.leftCols(active).transpose());
+}
+
+}  // namespace
 
 InverseProducts::InverseProducts(std::shared_ptr<const FactoredNormalMatrix> matrix,
                                  std::shared_ptr<const WoodburyCorrection> correction, std::shared_ptr<ThreadPool> pool)
@@ -51,12 +89,6 @@ void InverseProducts::add(const SparseMatrix& c) {
 Eigen::MatrixXd InverseProducts::operator()(const SparseMatrix& c) {
   add(c);
   const auto count = c.cols();
-  struct Part {
-    Eigen::Index column;
-    double entry;
-    const double* values;
-    int size;
-  };
   std::vector<Part> parts;
   std::vector<int> first_rows;
   const Eigen::Index corrections = correction_->z.cols();
@@ -93,35 +125,19 @@ Eigen::MatrixXd InverseProducts::operator()(const SparseMatrix& c) {
     }
   }
   // Threads share blocks, then columns, so that sums have a fixed order.
-  constexpr std::size_t kTogether = 32;
   constexpr int kShares = 8;
-  struct Product {
-    std::vector<Eigen::Index> columns;
-    Eigen::MatrixXd values;
-  };
-  std::array<Product, kTogether> products;
+  constexpr std::size_t kEntries = std::size_t(1) << 22;  // of products in memory
+  std::vector<Product> products;
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, count);
-  for (std::size_t begin = 0; begin < blocks.size(); begin += kTogether) {
-    const auto together = static_cast<int>(std::min(kTogether, blocks.size() - begin));
+  for (std::size_t begin = 0, end = 0; begin < blocks.size(); begin = end) {
+    for (std::size_t entries = 0; end < blocks.size() && entries < kEntries; ++end) {
+      const auto size = static_cast<std::size_t>(by_block[blocks[end]].size());
+      entries += size * size;
+    }
+    const auto together = static_cast<int>(end - begin);
+    products.resize(std::max(products.size(), end - begin));
     pool_->each(together, [&](int k) {
-      auto& [columns, values] = products[static_cast<std::size_t>(k)];
-      const auto list = by_block[blocks[begin + static_cast<std::size_t>(k)]];
-      const int size = parts[static_cast<std::size_t>(*list.begin())].size;
-      Eigen::MatrixXd y(size, list.size());
-      columns.clear();
-      for (const int p : list) {
-        const Part& part = parts[static_cast<std::size_t>(p)];
-        if (columns.empty() || columns.back() != part.column) {
-          columns.push_back(part.column);
-          y.col(static_cast<Eigen::Index>(columns.size()) - 1).setZero();
-        }
-        y.col(static_cast<Eigen::Index>(columns.size()) - 1) +=
-            part.entry * Eigen::Map<const Eigen::VectorXd>(part.values, size);
-      }
-      const auto active = static_cast<Eigen::Index>(columns.size());
-      checkpoint(static_cast<int>(active));
-      values.setZero(active, active);
-      values.selfadjointView<Eigen::Lower>().rankUpdate(y.leftCols(active).transpose());
+      multiply(parts, by_block[blocks[begin + static_cast<std::size_t>(k)]], products[static_cast<std::size_t>(k)]);
     });
     pool_->each(kShares, [&](int share) {
       for (int k = 0; k < together; ++k) {
