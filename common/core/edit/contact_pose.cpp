@@ -332,6 +332,12 @@ bool ContactPose::attempt(const Points& plain) {
     for (int search = 1;; ++search) {
       report_progress(0, "contact");
       sweep = surface_->sweep(whole(pose_), whole(next), *system_->pool);
+      if (sweep.is_hopeless) {
+        Eigen::Index fastest = 0;
+        (next - pose_).rowwise().squaredNorm().maxCoeff(&fastest);
+        vertex_ = mesh_vertex_[static_cast<std::size_t>(fastest)];
+        return false;
+      }
       if (!add(sweep.contacts) || search == kSearches) {
         break;
       }

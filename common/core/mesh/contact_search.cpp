@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -20,6 +21,8 @@ using Corners = std::array<Vector3, 4>;
 constexpr double kGap = 0.3, kPartOfRest = 0.5, kLeast = 0.1;
 /// Faces per leaf, and in pieces of parallel work.
 constexpr int kLeaf = 4, kGrain = 1024, kTasks = 128;
+/// Contacts of a motion per vertex that moves: most edits have less than 1, compressed ones up to 7.
+constexpr int kMostPerVertex = 50;
 
 Vector3 row(const Points& points, int v) {
   return points.row(v).transpose();
@@ -562,7 +565,11 @@ Sweep ContactSurface::sweep(const Points& from, const Points& to, ThreadPool& po
   margin_ = gap_;
   bound(from, to, pool);
   Sweep sweep;
+  std::atomic<int> left = kMostPerVertex * moving_vertices();  // so that no motion takes minutes and gigabytes
   sweep.contacts = each_pair<Contact>(pool, [&](int f, int g, std::vector<Contact>& found) {
+    if (left < 0) {
+      return;
+    }
     each_feature(f, g, [&](Contact contact) {
       const Corners before = corners(contact, from), after = corners(contact, to);
       if (!place(contact, before)) {
@@ -587,10 +594,12 @@ Sweep ContactSurface::sweep(const Points& from, const Points& to, ThreadPool& po
         is_near = place(contact, x) && (contact.safe < 1 || contact.distance < contact.gap);
       }
       if (is_near) {
+        --left;
         found.push_back(contact);
       }
     });
   });
+  sweep.is_hopeless = left < 0;
   for (const Contact& contact : sweep.contacts) {
     sweep.safe = std::min(sweep.safe, contact.safe);
   }

@@ -27,6 +27,7 @@ struct Contact {
 struct Sweep {
   std::vector<Contact> contacts;
   double safe = 1;
+  bool is_hopeless = false;  ///< there are so many contacts that some are left out
 };
 
 /// Finds contacts of a moving surface with itself and with a resting one, by trees of boxes over faces, with the boxes

@@ -77,6 +77,17 @@ TEST(Contact, FramesArePlainAndEndWithThePose) {
   EXPECT_FALSE(support::same_bits(plain.pose(bar.bent(178)), other));
 }
 
+/// Took minutes and gigabytes.
+TEST(Contact, MotionsFarBeyondTheMeshEndSoonAndSaySo) {
+  const Bar bar;
+  Solver contact(bar, true);
+  const Affine far = support::rigid(178, {0, 0, 1}, {-3e4, 1e3, 0}, {15, 2, 2});
+  EXPECT_TRUE(contact.pose({Affine::Identity(), far}).allFinite());
+  ASSERT_TRUE(contact.report().contact.has_value());
+  EXPECT_FALSE(contact.report().contact->converged);
+  EXPECT_GE(contact.report().contact->vertex, 0);
+}
+
 TEST(Contact, CancelledPosesLeaveTheSolverUsable) {
   const Bar bar;
   Solver contact(bar, true);

@@ -122,6 +122,20 @@ TEST(ContactSearch, SeesAFoldInOnePiece) {
   EXPECT_FALSE(folding.is_clear(folded, pool));
 }
 
+TEST(ContactSearch, GivesUpWhereEverythingMeets) {
+  const TriangleMesh plate = shapes::grid(24, 24);
+  Points scattered = plate.vertices;
+  for (Eigen::Index i = 0; i < scattered.size(); ++i) {
+    scattered.data()[i] = 12 + 12 * std::sin(1e3 * static_cast<double>(i * i));
+  }
+  ThreadPool one(1), three(3);
+  EXPECT_TRUE(surface(plate).sweep(plate.vertices, scattered, one).is_hopeless);
+  const Sweep sweep = surface(plate).sweep(plate.vertices, scattered, three);
+  EXPECT_TRUE(sweep.is_hopeless);
+  EXPECT_LT(sweep.contacts.size(), 60 * static_cast<std::size_t>(plate.vertices.rows()));
+  EXPECT_FALSE(surface(plate).sweep(plate.vertices, 0.99 * plate.vertices, one).is_hopeless);
+}
+
 TEST(ContactSearch, SeesSidesOfASlitThatCross) {
   TriangleMesh sheet = shapes::grid(8, 13);
   Eigen::Index kept = 0;
