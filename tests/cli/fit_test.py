@@ -84,6 +84,14 @@ class Fit(ProgramTest):
         self.done("-q", self.mesh, self.out, self.edit)
         self.assertLess(error(self.result()), 0.25 * error(DOME[0]))
 
+    def test_a_place_that_the_template_cannot_store_has_advice(self):
+        points, faces = scan()
+        self.scan.write_bytes(files.ply_plain(([(x + 1e5, y, z) for x, y, z in points], faces), "double"))
+        for scalar in ("float", "double"):
+            self.mesh.write_bytes(files.ply_plain(DOME, scalar))
+            advice = self.fitted()["advice"]
+            self.assertEqual("in steps of 0.0119" in advice, scalar == "float", advice)
+
     def test_a_cloud_with_normals(self):
         points, faces = map(np.array, scan(41))
         sums = normals_of(points, faces)

@@ -177,6 +177,7 @@ EditStep PreparedStep::whole(const EditStep& given) const {
 void PreparedStep::prepare(const Adjacency& adjacency, double fraction, const LaplacianSystem* previous) {
   if (step_.fit) {
     fitted_ = fit_step(mesh_, adjacency, step_, options_.solver);
+    fitted_.report.causes.step = spacing(options_.scalar, fitted_.positions.cwiseAbs().maxCoeff());
     return;
   }
   validate(step_.settings);

@@ -31,6 +31,11 @@ void round_to(StoredScalar scalar, Points& positions) {
   }
 }
 
+double spacing(StoredScalar scalar, double coordinate) {
+  return coordinate * (scalar == StoredScalar::Float ? static_cast<double>(std::numeric_limits<float>::epsilon())
+                                                     : std::numeric_limits<double>::epsilon());
+}
+
 void require_size(const TriangleMesh& mesh, const Region& region) {
   constexpr double kLargest = 1e60, kSmallest = 1e-60;
   const Points points = gather(mesh.vertices, region.mesh_vertex);
@@ -101,12 +106,6 @@ int passes_of(const EditSettings& settings, const Region& region, const Points& 
 constexpr double kExact = 1e-11, kForRotations = 1e-7;
 
 constexpr int kGrain = 2048;
-
-/// Returns the spacing of coordinates of this size.
-double spacing(StoredScalar scalar, double coordinate) {
-  return coordinate * (scalar == StoredScalar::Float ? static_cast<double>(std::numeric_limits<float>::epsilon())
-                                                     : std::numeric_limits<double>::epsilon());
-}
 
 }  // namespace
 

@@ -36,6 +36,8 @@ enum class StoredScalar { Float, Double };
 
 /// Rounds to the mesh's precision. @throws EditError (NotFinite) if a coordinate becomes infinite
 void round_to(StoredScalar scalar, Points& positions);
+/// Returns the spacing of coordinates of this size.
+double spacing(StoredScalar scalar, double coordinate);
 
 /// A step's region, and the time that finding it took.
 struct FoundRegion {
