@@ -172,7 +172,7 @@ std::optional<Refusal> refuse_vertices(const Surface& surface, const std::vector
 Selection with_vertices(Selection selection, std::vector<int> vertices, const DragSettings& settings);
 /// Makes these vertices the region, in any order; removes handle vertices outside it.
 Choice with_region(const Surface& surface, const Selection& selection, std::vector<int> vertices);
-Choice whole_component(const Surface& surface, Selection selection);
+Choice whole_component(const Surface& surface, Selection after);
 Choice grown_by_a_ring(const Surface& surface, const Selection& selection);
 Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection);
 /// Returns a painted region for another detail: with a margin of three quarters of its half width, in rings. Otherwise
@@ -184,7 +184,7 @@ void follow_discs(const Surface& surface, Selection& selection);
 /// Grows region and discs by the radius of the settings.
 Selection with_radius(const Surface& surface, Selection selection);
 /// Gives discs the size of the settings; a region by radius is still measured from their centres.
-Selection with_discs(const Surface& surface, Selection selection);
+Selection with_discs(const Surface& surface, Selection after);
 /// Applies those settings that a region has, too. Another padding discards kept anchors.
 void set_options(RegionSpec& region, const DragSettings& settings);
 /// Applies them, and the fixed vertices, to the selection's region.

@@ -47,8 +47,8 @@ void require_finite_targets(const HandleGroup& handle, std::size_t number) {
 
 void require_one_for_each(std::size_t count, const char* what, const HandleGroup& handle, std::size_t number) {
   if (count > 0 && count != handle.vertices.size()) {
-    refuse_edit(ErrorCause::BadParameter, {key_of(number, (std::string(what) + "s").c_str())}, group_name(number),
-                " has ", handle.vertices.size(), " vertices and ", count, " ", what, "s: give one ", what,
+    refuse_edit(ErrorCause::BadParameter, {key_of(number, std::string(what) + "s")}, group_name(number), " has ",
+                handle.vertices.size(), " vertices and ", count, " ", what, "s: give one ", what,
                 " for each vertex, in the same order, or none.");
   }
 }

@@ -26,11 +26,11 @@ struct FittedStep {
 
 /// Fits the region of a step to its scan, or goes half of the way to the mirror image. The result has the same bits for
 /// any number of threads.
-/// @param step  with sorted groups: landmarks with targets, or none. Without landmarks its region is all components of
+/// @param given  with sorted groups: landmarks with targets, or none. Without landmarks its region is all components of
 ///        the mesh, or the vertices given
 /// @throws EditError (BadParameter) for a step without its scan, with groups that have no targets, with a scan and a
 ///         mirror plane, or without either for a mesh that is not symmetric; and as build_region() and fit_template()
-FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& step,
+FittedStep fit_step(const TriangleMesh& mesh, const Adjacency& adjacency, const EditStep& given,
                     const SolverOptions& options);
 
 /// Returns the positions at a fraction of the displacements, rounded. @throws EditError (NotFinite)

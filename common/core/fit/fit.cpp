@@ -412,7 +412,7 @@ FitResult fit_template(const FitProblem& problem, const Progress& progress) {
   const bool may_slide = !problem.settings.borders && problem.region.count(VertexClass::Anchor) == 0 &&
                          problem.scan.surface().has_border() && has_border(problem.region.faces);
   Fit fit(problem);
-  const FitResult result = fit.run(problem.settings.borders, 0, may_slide ? 2 : 1);
+  FitResult result = fit.run(problem.settings.borders, 0, may_slide ? 2 : 1);
   const FitReport& report = result.report;
   // Where each border lies beyond the other one by similar distances, the template slid. Of a cropped scan it is one.
   constexpr double kSimilar = 0.4, kClearly = 0.5, kMostStretch = 1.5;

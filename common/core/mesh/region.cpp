@@ -60,7 +60,7 @@ class RegionBuilder {
         spec_(spec),
         groups_(groups),
         is_set_(spec.kind == RegionSpec::Kind::Vertices),
-        pool_(mesh.vertices.rows() >= 4 * kGrain ? threads : 1) {
+        pool_(mesh.vertices.rows() >= Eigen::Index{4} * kGrain ? threads : 1) {
     region_.kind = spec.kind;
     region_.mesh_vertices = static_cast<int>(mesh.vertices.rows());
   }
