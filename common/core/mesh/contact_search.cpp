@@ -21,7 +21,7 @@ using Corners = std::array<Vector3, 4>;
 constexpr double kGap = 0.3, kPartOfRest = 0.5, kLeast = 0.1;
 /// Faces per leaf, and in pieces of parallel work.
 constexpr int kLeaf = 4, kGrain = 1024, kTasks = 128;
-/// Contacts of a motion per vertex that moves: most edits have less than 1, compressed ones up to 7.
+/// Contacts of a motion per vertex that moves: ten edits of the benchmark had up to 7, most of them when compressed.
 constexpr int kMostPerVertex = 50;
 
 Vector3 row(const Points& points, int v) {
