@@ -165,14 +165,25 @@ class Contact(unittest.TestCase):
         self.assertIsNone(plain.report["steps"][0]["contacts"])
 
     def test_a_jam_is_reported(self):
-        points, faces, step = elbow()
-        step["handles"][1]["rotation"]["degrees"] = 240
-        jammed = edit(points, faces, {"steps": [{**step, "contact": True}]})
+        points, faces, step, _, jammed = both_ways(fingers)
         report = jammed.report["steps"][0]
         self.assertFalse(report["converged"])
-        self.assertRegex(report["stopped"], r"^handle group 1 stops [\d.]+ before its target, at vertex \d+$")
+        self.assertRegex(report["stopped"], r"^handle group 0 stops [\d.]+ before its target, at vertex \d+$")
         self.assertIn("contacts jam there; move it less", report["advice"])
-        self.assertFalse(crosses(jammed.vertices, faces))
+
+    def test_an_elbow_stops_before_it_tears(self):
+        points, faces, step = elbow()
+        fore = step["handles"][1]["vertices"]
+        rest = points[fore] - points[fore].mean(axis=0)
+        for degrees in (180, 240):
+            step["handles"][1]["rotation"]["degrees"] = degrees
+            stopped = edit(points, faces, {"steps": [{**step, "contact": True}]})
+            u, _, v = numpy.linalg.svd(rest.T @ (stopped.vertices[fore] - stopped.vertices[fore].mean(axis=0)))
+            cosine = ((u @ v).trace() - 1) / 2
+            self.assertAlmostEqual(numpy.degrees(numpy.arccos(cosine)), 158, delta=5)
+            self.assertTrue(stopped.report["steps"][0]["converged"])
+            self.assertLess(stopped.report["steps"][0]["stretch_rms"], 0.12)
+            self.assertFalse(crosses(stopped.vertices, faces))
 
     def test_what_is_far_from_contact_stays(self):
         points, faces, step, plain, stopped = both_ways(nose)

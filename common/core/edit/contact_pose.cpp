@@ -389,35 +389,116 @@ bool ContactPose::approach(const Points& plain) {
   return reached;
 }
 
+/// Returns the root mean square stretch of the edges with a free end, weighted by their squared lengths.
+double ContactPose::stretch(const Points& pose) const {
+  const Region& region = *rest_->region;
+  double changes = 0, lengths = 0;
+  for (int i = 0; i < region.size(); ++i) {
+    if (region.classes[i] == VertexClass::Free) {
+      for (const int j : region.neighbours[i]) {
+        const double before = (rest_->local.row(i) - rest_->local.row(j)).norm();
+        const double change = (pose.row(i) - pose.row(j)).norm() - before;
+        changes += change * change;
+        lengths += before * before;
+      }
+    }
+  }
+  return lengths > 0 ? std::sqrt(changes / lengths) : 0;
+}
+
+/// Returns whether a group that turns is pushed too far away from its place and stretches the surface by that: such
+/// groups stop, as an elbow does, while others slide along. @return above 0: it is; continuous
+double ContactPose::excess(const Points& plain) const {
+  constexpr double kMostOff = 0.02, kMoreStretch = 1.1, kLittle = 0.01;
+  struct Group {
+    double off = 0, way = 0;  // sums of distances
+  };
+  std::vector<Group> groups(constraints_->paths().rotations().size());
+  for (const int i : constraints_->handles()) {
+    Group& group = groups[static_cast<std::size_t>(rest_->region->group[i])];
+    group.off += (pose_.row(i) - plain.row(i)).norm();
+    group.way += (plain.row(i) - rest_->local.row(i)).norm();
+  }
+  double off = 0;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const double turned = Eigen::AngleAxisd(constraints_->paths().rotations()[g]).angle();
+    off = std::max(off, groups[g].way > 0 ? std::min(turned, 1.0) * groups[g].off / groups[g].way : 0);
+  }
+  return std::min(off / kMostOff, stretch(pose_) / (kMoreStretch * stretch(plain) + kLittle)) - 1;
+}
+
+/// Moves on to a pose of the path. @return above 0: contacts jam, or groups yield too much
+double ContactPose::advance(const Points& plain) {
+  converged_ = approach(plain);
+  if (!converged_) {
+    return 1;
+  }
+  return response_->yields() ? excess(plain) : -1;
+}
+
+/// Goes from a pose of the path, at step `from`, as far as possible towards the next one, where advance() returned
+/// `above` and before `below`: by false position. @return where it stops
+double ContactPose::stop_after(double from, double below, double above, const std::function<Points(double)>& plain) {
+  constexpr int kTries = 4;
+  constexpr double kClose = 0.02, kLeast = 0.1;
+  Points reached = pose_;
+  double to = from + 1, found = 1;
+  bool jams = !converged_;
+  for (int left = kTries; left > 0 && std::abs(found) > kClose; left -= converged_ ? 1 : 2) {
+    const double next = from + std::clamp(below / (below - above), kLeast, 1 - kLeast) * (to - from);
+    found = advance(plain(next));
+    if (found > 0) {
+      to = next;
+      above = found;
+      jams = !converged_;
+      pose_ = reached;
+      update_contacts();
+    } else {
+      from = next;
+      below = found;
+      reached = pose_;
+    }
+  }
+  converged_ = !jams;
+  return from;
+}
+
 void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& constraints, int steps,
-                         const std::function<Points(int)>& plain) {
+                         const std::function<Points(double)>& plain) {
   response_ = std::make_unique<Response>(system);
   system_ = &system;
   constraints_ = &constraints;
   response_->yield({});
   contacts_.clear();
+  const auto part = [&](double step) { return plain(step / steps); };
   std::vector<Points> path(static_cast<std::size_t>(steps) + 1);
   path[0] = rest_->local;
   const auto at = [&](int step) -> const Points& {
     Points& pose = path[static_cast<std::size_t>(step)];
     if (pose.size() == 0) {
-      pose = plain(step);
+      pose = part(step);
     }
     return pose;
   };
-  int first = steps;  // the first pose of those that cross something at the end
-  for (bool clear = false; first > 1 && !clear; first -= clear ? 0 : 1) {
-    include(at(first - 1));
-    clear = surface_->is_clear(whole(at(first - 1)), *system.pool);
+  int reached = steps;  // the last pose of the path that crosses nothing
+  for (bool clear = false; reached > 0 && !clear;) {
+    include(at(--reached));
+    clear = surface_->is_clear(whole(at(reached)), *system.pool);
   }
-  pose_ = at(first - 1);
+  pose_ = at(reached);
+  part_ = 1;
   converged_ = true;
-  for (int step = first; step <= steps && converged_; ++step) {
-    step_ = largest_row(at(step) - at(step - 1));
-    converged_ = approach(at(step));
-    if (!converged_) {
-      approach(0.5 * (at(step - 1) + at(step)));
+  for (double below = -1; reached < steps; ++reached) {
+    const Points before = pose_;
+    step_ = largest_row(at(reached + 1) - at(reached));
+    const double found = advance(at(reached + 1));
+    if (found > 0) {
+      pose_ = before;
+      update_contacts();
+      part_ = stop_after(reached, below, found, part) / steps;
+      return;
     }
+    below = found;
   }
 }
 

@@ -20,7 +20,8 @@ namespace lapedit {
 /// over contacts k, linear in x, with the edit's matrix A. The dual of this problem needs A^-1 at the contacts'
 /// vertices alone: products of halves of columns, which the existing factor gives. A pose moves no farther than sweeps
 /// find safe, so nothing crosses, even if the contacts do not let it reach x0. Where the handles would have to cross
-/// something, each group yields as a whole: A loses what keeps it from being translated.
+/// something, each group yields as a whole: A loses what keeps it from being translated. A group that turns stops where
+/// that would tear the surface.
 class ContactPose {
  public:
   /// @param mesh  not kept. O(faces log faces)
@@ -30,17 +31,18 @@ class ContactPose {
   /// Returns whether a pose crosses nothing that it does not cross at rest. Cost: less than a settled pose.
   /// @param pose  size() x 3, relative to the rest pose's origin, as all poses here
   bool is_clear(const Points& pose, ThreadPool& pool);
-  /// Follows plain poses of steps 1 to `steps` from the rest pose, the last of which is_clear() was asked for. Those
-  /// before the last clear one need not be made. Cost: some settled poses. @throws EditError (Cancelled)
+  /// Follows plain poses of parts of the path, in equal steps from the rest pose; is_clear() was asked for the whole.
+  /// Those before the last clear one need not be made. Cost: some settled poses. @throws EditError (Cancelled)
   void follow(const LaplacianSystem& system, const EditConstraints& constraints, int steps,
-              const std::function<Points(int)>& plain);
+              const std::function<Points(double)>& plain);
   /// Moves on to the pose at one more plain pose. @return false if contacts jam: the pose is then as before
   bool approach(const Points& plain);
 
   const Points& pose() const { return pose_; }
   int touching() const { return touching_; }     ///< pairs that press on each other
   int vertex() const { return vertex_; }         ///< of the mesh, at the pair that presses most
-  bool converged() const { return converged_; }  ///< whether the path was followed to its end
+  double part() const { return part_; }          ///< 0 to 1, to which the path was followed
+  bool converged() const { return converged_; }  ///< whether contacts do not jam there
 
  private:
   class Response;
@@ -55,6 +57,10 @@ class ContactPose {
   bool limit(Points& next) const;
   bool attempt(const Points& plain);
   void yield();
+  double stretch(const Points& pose) const;
+  double excess(const Points& plain) const;
+  double advance(const Points& plain);
+  double stop_after(double from, double below, double above, const std::function<Points(double)>& plain);
 
   std::shared_ptr<const RestPose> rest_;
   Points vertices_;         // of the mesh, relative to the origin
@@ -70,7 +76,7 @@ class ContactPose {
   std::unique_ptr<Response> response_;
   std::vector<Contact> contacts_;
   Points pose_;
-  double step_ = 0;  // largest motion of a step of the path
+  double part_ = 1, step_ = 0;  // largest motion of a step of the path
   int touching_ = 0, vertex_ = -1;
   bool converged_ = true, blocked_ = false;
 };

@@ -292,30 +292,30 @@ void StepSolver::stop_at_contact() {
   }
   const PoseFigures figures = figures_;
   const std::vector<Matrix3> rotations = rotations_;
-  contact_->follow(*system_, constraints_, kSteps, [&](int step) {
-    Points pose = plain;
-    if (step < kSteps) {
-      const double part = static_cast<double>(step) / kSteps;
-      std::vector<HandleMotion> motions = motions_.handles;
-      for (HandleMotion& motion : motions) {
-        motion.fraction *= part;
-      }
-      apply(motions, motions_.fraction * part);
-      start(true);
-      correct(1);
-      pose = constraints_.start() + displacement_;
-      apply(motions_.handles, motions_.fraction);
+  const auto pose_at = [&](double part) {
+    std::vector<HandleMotion> motions = motions_.handles;
+    for (HandleMotion& motion : motions) {
+      motion.fraction *= part;
     }
-    return pose;
-  });
-  rotations_ = rotations;
+    apply(motions, motions_.fraction * part);
+    if (part == 1) {
+      rotations_ = rotations;
+      return plain;
+    }
+    start(true);
+    correct(1);
+    return Points(constraints_.start() + displacement_);
+  };
+  contact_->follow(*system_, constraints_, kSteps, pose_at);
+  pose_at(contact_->part());
   displacement_ = contact_->pose() - constraints_.start();
   if (constraints_.any()) {  // or the plain pose is rigid
     cells_->fit(*system_, constraints_, displacement_, rotations_);
     correct(kForRotations);
     contact_->approach(constraints_.start() + displacement_);
-    displacement_ = contact_->pose() - constraints_.start();
   }
+  apply(motions_.handles, motions_.fraction);
+  displacement_ = contact_->pose() - constraints_.start();
   figures_ = figures;
   figures_.solve_ms += watch.elapsed();
 }
