@@ -427,13 +427,17 @@ double ContactPose::excess(const Points& plain) const {
   return std::min(off / kMostOff, stretch(pose_) / (kMoreStretch * stretch(plain) + kLittle)) - 1;
 }
 
-/// Moves on to a pose of the path. @return above 0: contacts jam, or groups yield too much
+/// Moves on to a pose of the path. @return above 0: contacts jam, or groups yield too much, even once contacts settle
 double ContactPose::advance(const Points& plain) {
-  converged_ = approach(plain);
-  if (!converged_) {
-    return 1;
+  double found = 1;
+  for (int rounds = 0; rounds < 2 && found > 0; ++rounds) {
+    converged_ = approach(plain);
+    if (!converged_) {
+      return 1;
+    }
+    found = response_->yields() ? excess(plain) : -1;
   }
-  return response_->yields() ? excess(plain) : -1;
+  return found;
 }
 
 /// Goes from a pose of the path, at step `from`, as far as possible towards the next one, where advance() returned
