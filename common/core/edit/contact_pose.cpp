@@ -429,21 +429,19 @@ double ContactPose::excess(const Points& plain) const {
 
 /// Moves on to a pose of the path. @return above 0: contacts jam, or groups yield too much, even once contacts settle
 double ContactPose::advance(const Points& plain) {
-  double found = 1;
-  for (int rounds = 0; rounds < 2 && found > 0; ++rounds) {
+  constexpr double kMaySettle = 0.25;
+  const auto found = [&] {
     converged_ = approach(plain);
-    if (!converged_) {
-      return 1;
-    }
-    found = response_->yields() ? excess(plain) : -1;
-  }
-  return found;
+    return !converged_ ? 1 : response_->yields() ? excess(plain) : -1;
+  };
+  const double first = found();
+  return first > 0 && first < kMaySettle ? found() : first;
 }
 
 /// Goes from a pose of the path, at step `from`, as far as possible towards the next one, where advance() returned
 /// `above` and before `below`: by false position. @return where it stops
 double ContactPose::stop_after(double from, double below, double above, const std::function<Points(double)>& plain) {
-  constexpr int kTries = 4;
+  constexpr int kTries = 3;
   constexpr double kClose = 0.02, kLeast = 0.1;
   Points reached = pose_;
   double to = from + 1, found = 1;
