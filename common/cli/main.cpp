@@ -59,9 +59,8 @@ ScanData readScan(const FitStep& fit, MeshFile& kept) {
   const std::string path = (fs::path(fit.folder) / fit.to).string();
   const MeshReader reader = readerOf(path);
   if (reader == nullptr) {
-    throw EditError(ErrorCause::BadScript, "The scan " + quotedPath(fit.to) +
-                                               " is in no format that this program can read; the suffixes are .ply, "
-                                               ".obj, .off and .stl: convert it with MeshLab or PyMeshLab.");
+    throw EditError(ErrorCause::BadScript,
+                    "The scan " + quotedPath(fit.to) + " is in no format that this program can read" + kSuffixes);
   }
   kept = readMeshFile(path, reader);
   return scanOf(kept, "the scan " + quotedPath(fit.to));
@@ -169,7 +168,7 @@ class Job {
     }
     const auto show = [this](double done, const char* stage) {
       line_.show(done, stage);
-      return true;
+      return !system::isRequestedToEnd();
     };
     validate(file_.mesh);
     for (EditStep& step : edit.steps) {
@@ -335,6 +334,7 @@ std::string answer(const Options& options) {
 }
 
 int fail(ExitCode code, const std::string& sentence) {
+  system::endIfRequested();
   std::fprintf(stderr, "%s\n", sentence.c_str());
   return code;
 }

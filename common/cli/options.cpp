@@ -160,9 +160,7 @@ MeshReader commonReader(const Options& options) {
     }
     const MeshReader found = readerOf(name);
     if (found == nullptr) {
-      refuse("The file " + quotedPath(name) +
-             " is in no format that this program can read and write; the suffixes are "
-             ".ply, .obj, .off and .stl: convert it with MeshLab or PyMeshLab.");
+      refuse("The file " + quotedPath(name) + " is in no format that this program can read and write" + kSuffixes);
     }
     if (reader != nullptr && found != reader) {
       refuse("The output " + quotedPath(name) +
@@ -214,9 +212,7 @@ void takeFiles(const Words& words, Options& options) {
   }
   options.reader = commonReader(options);
   if (!options.scan.empty() && (options.scan == "-" || readerOf(options.scan) == nullptr)) {
-    refuse("The scan " + quotedPath(options.scan) +
-           " is no file that this program can read; the suffixes are "
-           ".ply, .obj, .off and .stl: convert it with MeshLab or PyMeshLab.");
+    refuse("The scan " + quotedPath(options.scan) + " is no file that this program can read" + kSuffixes);
   }
 }
 

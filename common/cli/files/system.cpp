@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <random>
-#include <set>
 #include <system_error>
 
 #include <fcntl.h>
@@ -42,6 +41,8 @@ std::string beginning() {
       name.begin(), name.end(), [](unsigned char letter) { return std::isalnum(letter) == 0; }, '_');
   return ".laplacian-edit-" + name + "-";
 }
+
+std::atomic<int> requested{0};  // the signal that asks to end the program; 0: none
 
 constexpr std::size_t kDigits = 16;  // of a random number and its check
 
@@ -82,71 +83,25 @@ bool removeAbandoned(const fs::path& path) {
 
 void takeOver(const fs::path&, const fs::path&) {}
 
+constexpr int kRequests[] = {SIGINT, SIGTERM};
+
 /// Has no effect, since the next call removes the files.
-class NoRequests {
- public:
-  void add(const fs::path&) const {}
-  void remove(const fs::path&) const {}
-};
+void watchRequests() {}
 
 #else
 
 constexpr int kRequests[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU};
 
-std::atomic_flag isListInUse = ATOMIC_FLAG_INIT;
-bool areRequestsIgnored = false;
-std::set<const std::string*> names;  // of the files that exist under temporary names
-
-/// Delays requests to end the program while a file and its entry in the list of names come and go together. The handler
-/// may run on another thread, and waits there.
-class NoRequests {
- public:
-  NoRequests() {
-    sigset_t requests;
-    sigemptyset(&requests);
-    for (const int request : kRequests) {
-      sigaddset(&requests, request);
-    }
-    ::pthread_sigmask(SIG_BLOCK, &requests, &before_);
-    while (isListInUse.test_and_set(std::memory_order_acquire)) {
-    }
-  }
-  ~NoRequests() {
-    isListInUse.clear(std::memory_order_release);
-    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  NoRequests(const NoRequests&) = delete;
-  NoRequests& operator=(const NoRequests&) = delete;
-
-  void add(const fs::path& path) const { names.insert(&path.native()); }
-  void remove(const fs::path& path) const { names.erase(&path.native()); }
-
- private:
-  sigset_t before_ = {};
-};
-
-/// Removes the files and ends the program by the signal. Calls async-signal-safe functions only.
-extern "C" void removeAll(int request) {
-  while (isListInUse.test_and_set(std::memory_order_acquire)) {
-  }
-  if (areRequestsIgnored) {
-    return isListInUse.clear(std::memory_order_release);
-  }
-  for (const std::string* const name : names) {
-    ::unlink(name->c_str());
-  }
-  // The list stays in use, so that no other thread creates a file until the program ends.
-  std::signal(request, SIG_DFL);
-  std::raise(request);
+extern "C" void remember(int request) {
+  requested = request;
 }
 
-/// Installs the handler for requests that are not ignored already, as nohup does.
+/// Installs the handler for requests that are not ignored already, as nohup does. Calls that wait then fail (EINTR).
 void watchRequests() {
   for (const int request : kRequests) {
     struct sigaction action = {};
     if (::sigaction(request, nullptr, &action) == 0 && action.sa_handler == SIG_DFL) {
-      action.sa_handler = removeAll;
-      sigfillset(&action.sa_mask);
+      action.sa_handler = remember;
       ::sigaction(request, &action, nullptr);
     }
   }
@@ -243,7 +198,6 @@ bool prepareStreams() {
   }
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  watchRequests();
   return hasOutput;
 #endif
 }
@@ -253,35 +207,37 @@ bool isTerminal(std::FILE* stream) {
   return ::isatty(::fileno(stream)) != 0 && kind != nullptr && kind != std::string("dumb");
 }
 
+bool isRequestedToEnd() {
+  return requested != 0;
+}
+
 void ignoreRequestsToEnd() {
-#ifdef _WIN32
-  std::signal(SIGINT, SIG_IGN);
-  std::signal(SIGTERM, SIG_IGN);
-#else
-  const NoRequests guard;
-  areRequestsIgnored = true;
   for (const int request : kRequests) {
     std::signal(request, SIG_IGN);
   }
-#endif
+  if (isRequestedToEnd()) {
+    fail(EINTR);
+  }
+}
+
+void endIfRequested() {
+  if (isRequestedToEnd()) {
+    std::signal(requested, SIG_DFL);
+    std::raise(requested);
+  }
 }
 
 NewFile::NewFile(const fs::path& folder, const NewFile* first) : is_first_(first == nullptr) {
   const std::string begin = is_first_ ? beginning() : first->path_.filename().string() + "-";
   if (is_first_) {
+    watchRequests();
     sweep(folder, begin);
   }
   for (int tries = 0; file_ == nullptr; ++tries) {
     path_ = folder / (begin + checked(std::random_device()()));
-    const NoRequests guard;
-    guard.add(path_);
     file_ = create(path_);
-    if (file_ == nullptr) {
-      const int error = errno;
-      guard.remove(path_);
-      if (error != EEXIST || tries > 99) {
-        fail(error);
-      }
+    if (file_ == nullptr && (errno != EEXIST || tries > 99)) {
+      fail();
     }
   }
 }
@@ -292,9 +248,7 @@ NewFile::~NewFile() {
   close();  // Windows removes closed files only
 #endif
   if (!path_.empty()) {
-    const NoRequests guard;
     fs::remove(path_, ignored);
-    guard.remove(path_);
   }
   close();
 }
@@ -323,9 +277,7 @@ void NewFile::replace(const fs::path& target) {
   close();
 #endif
   takeOver(target, path_);
-  const NoRequests guard;
   fs::rename(path_, target);
-  guard.remove(path_);
   path_.clear();
 }
 

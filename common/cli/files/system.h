@@ -9,16 +9,20 @@
 namespace lapedit::system {
 
 /// Opens closed standard streams, since the next opened file would otherwise become the standard output; makes them
-/// binary; ignores the signals of write errors, so that the program can report the errors; and removes new files when a
-/// signal such as SIGTERM ends the program.
+/// binary; and ignores the signals of write errors, so that the program can report the errors.
 /// @return whether the standard output was open
 bool prepareStreams();
 
 /// Returns whether a stream is a terminal on which the cursor moves.
 bool isTerminal(std::FILE* stream);
 
-/// Ignores signals that end the program, from now on.
+/// Returns whether a signal such as SIGTERM asked to end the program after the first NewFile was created. The program
+/// then has to delete its objects of this class, and to call endIfRequested().
+bool isRequestedToEnd();
+/// Ignores such signals from now on. Throws if there was one.
 void ignoreRequestsToEnd();
+/// Ends the program by such a signal, if there was one.
+void endIfRequested();
 
 /// A file that is being written in the folder of its target. The first one of a folder is open and locked until it
 /// replaces its target, so that other processes can distinguish abandoned files of a killed program from files in use.

@@ -114,6 +114,8 @@ MeshFile readStl(std::string bytes, bool isWhole = true);
 using MeshReader = MeshFile (*)(std::string, bool);
 /// Returns the reader for the suffix of a file's name, in upper or lower case; null for other suffixes.
 MeshReader readerOf(const std::string& path);
+/// The suffixes and what to do with other files, for messages.
+constexpr const char* kSuffixes = "; the suffixes are .ply, .obj, .off and .stl: convert it with MeshLab or PyMeshLab.";
 
 /// Collects the vertices and faces of a file.
 class MeshBuilder {
