@@ -534,35 +534,11 @@ std::string landmark_settings() {
   return write_edit(fit_landmarks(group));
 }
 
-const char* name_of(ErrorCause cause) {
-  switch (cause) {
-    case ErrorCause::EmptyMesh:
-      return "EmptyMesh";
-    case ErrorCause::NoHandle:
-      return "NoHandle";
-    case ErrorCause::HandleOutsideRegion:
-      return "HandleOutsideRegion";
-    case ErrorCause::EmptyRegion:
-      return "EmptyRegion";
-    case ErrorCause::NothingToFollow:
-      return "NothingToFollow";
-    case ErrorCause::BadParameter:
-      return "BadParameter";
-    case ErrorCause::NotFinite:
-      return "NotFinite";
-    case ErrorCause::BadIndex:
-      return "BadIndex";
-    case ErrorCause::IllConditioned:
-      return "IllConditioned";
-    case ErrorCause::MeshMismatch:
-      return "MeshMismatch";
-    case ErrorCause::BadScript:
-      return "BadScript";
-    case ErrorCause::Cancelled:
-      return "Cancelled";
-  }
-  return "";
-}
+/// Names in the order of ErrorCause.
+constexpr const char* kCauses[] = {"EmptyMesh",       "NoHandle",     "HandleOutsideRegion", "EmptyRegion",
+                                   "NothingToFollow", "BadParameter", "NotFinite",           "BadIndex",
+                                   "IllConditioned",  "MeshMismatch", "BadScript",           "Cancelled"};
+static_assert(std::size(kCauses) == static_cast<std::size_t>(ErrorCause::Cancelled) + 1);
 
 }  // namespace
 
@@ -572,7 +548,8 @@ NB_MODULE(_core, module) {
       std::rethrow_exception(thrown);
     } catch (const EditError& error) {
       const nb::object type = nb::module_::import_("laplacian_edit._errors").attr("EditRefused");
-      const nb::object refusal = type(text_of(error.what()), nb::str(name_of(error.cause())), error.vertex());
+      const nb::object refusal =
+          type(text_of(error.what()), nb::str(kCauses[static_cast<int>(error.cause())]), error.vertex());
       if (!error.key().empty()) {
         refusal.attr("key") = text_of(error.key());
       }
