@@ -4,7 +4,6 @@
 #include <QDir>
 #include <QFileDialog>
 #include <QFileInfo>
-#include <QMainWindow>
 #include <QSaveFile>
 #include <QTimer>
 #include <QToolTip>
@@ -15,6 +14,7 @@
 #include "lapedit/base/error.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/mesh/coordinate_space.h"
+#include "lapedit/mesh/vertex_set.h"
 #include "lapedit_host/mesh_edit.h"
 
 using namespace lapedit;
@@ -48,37 +48,28 @@ QByteArray filterScript(const QByteArray& edit) {
       .toUtf8();
 }
 
-QFileDialog* newDialog(QWidget* parent, const char* title, const QString& suggested) {
-  auto* const dialog = new QFileDialog(parent, title, QFileInfo(suggested).path());
-  dialog->setAttribute(Qt::WA_DeleteOnClose);
-  return dialog;
-}
-
 /// Returns the default file of a layer's edit: <mesh>.laplacian.json in the folder of the mesh.
 QString editFileFor(const Layer& layer) {
   const QFileInfo mesh(layer.file.isEmpty() ? layer.name : layer.file);
   return mesh.absoluteDir().filePath(mesh.completeBaseName() + ".laplacian.json");
 }
 
-// The dialogs ask for a file, return at once, and delete themselves: QFileDialog::fileSelected() has the answer.
-
-QFileDialog* saveDialog(QWidget* parent, const QString& suggested) {
-  QFileDialog* const dialog = newDialog(parent, "Save edit", suggested);
-  dialog->setNameFilters({kEdits, kScripts});
-  dialog->setAcceptMode(QFileDialog::AcceptSave);
-  dialog->setDefaultSuffix("json");
-  QObject::connect(dialog, &QFileDialog::filterSelected, dialog,
-                   [dialog](const QString& filter) { dialog->setDefaultSuffix(filter == kScripts ? "mlx" : "json"); });
-  dialog->selectFile(suggested);
-  dialog->open();
-  return dialog;
-}
-
-QFileDialog* loadDialog(QWidget* parent, const QString& suggested) {
-  QFileDialog* const dialog = newDialog(parent, "Load edit", suggested);
-  dialog->setNameFilter(kEdits);
-  dialog->setFileMode(QFileDialog::ExistingFile);
-  if (QFileInfo::exists(suggested)) {
+/// Asks for a file, returns at once, and deletes itself: QFileDialog::fileSelected() has the answer.
+QFileDialog* askForFile(QWidget* parent, const QString& suggested, bool saves) {
+  auto* const dialog = new QFileDialog(parent, saves ? "Save edit" : "Load edit", QFileInfo(suggested).path());
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setNameFilters(saves ? QStringList{kEdits, kScripts} : QStringList{kEdits});
+  if (saves) {
+    dialog->setAcceptMode(QFileDialog::AcceptSave);
+    dialog->setDefaultSuffix("json");
+    const auto setSuffix = [dialog](const QString& filter) {
+      dialog->setDefaultSuffix(filter == kScripts ? "mlx" : "json");
+    };
+    QObject::connect(dialog, &QFileDialog::filterSelected, dialog, setSuffix);
+  } else {
+    dialog->setFileMode(QFileDialog::ExistingFile);
+  }
+  if (saves || QFileInfo::exists(suggested)) {
     dialog->selectFile(suggested);
   }
   dialog->open();
@@ -105,7 +96,7 @@ LaplacianDragTool::~LaplacianDragTool() {
     shared_->end(*this);
     for (const auto& [session, layer] : shared_->left(this)) {
       session->leftBy = nullptr;
-      session->session().cancel();
+      session->session.cancel();
     }
   }
 }
@@ -156,16 +147,14 @@ void LaplacianDragTool::changeLayer(GLArea* area, MLSceneGLSharedDataContext* sh
 /// Begins with the current layer. @return false if the tool stays off
 bool LaplacianDragTool::begin() {
   shared_ = &WindowSessions::of(*window_.viewport().window());
-  active_ = nullptr;
-  layer_ = -1;
+  sessionGone();
   nothing_.clear();
   refused_.setConstant(-1);
   notice_.clear();
-  offered_ = -1;
-  shown_.keys = shown_.warning = false;
+  shown_ = {};
   mouse_.pressed = mouse_.moved = mouse_.inside = false;
   mouse_.navigating = Qt::NoButton;
-  clock_.reset();
+  frame_.moved = frame_.posed = false;
   others_.forget();
   overlay_ = Overlay();
   const auto layer = window_.currentLayer();
@@ -188,7 +177,7 @@ bool LaplacianDragTool::begin() {
     return showNothing(tr("MeshLab is reading a mesh."));  // the first picture of it starts the session
   }
   LayerSession* known = shared_->find(layer->id);
-  const bool resume = known != nullptr && known->writer().matches(*layer->mesh);
+  const bool resume = known != nullptr && known->writer.matches(*layer->mesh);
   if (resume && !known->inHistory.isEmpty()) {
     known->historyPosition = window_.removeFromHistory(known->inHistory);
   }
@@ -207,7 +196,7 @@ bool LaplacianDragTool::begin() {
   layer_ = layer->id;
   on_ = true;
   openPanel();
-  shared_->panel().setMesh(active_->session().original());
+  shared_->panel().setMesh(active_->session.original());
   readOthers();
   refreshPanel();
   window_.viewport().setMouseTracking(true);
@@ -229,8 +218,8 @@ bool LaplacianDragTool::showNothing(const QString& reason) {
 /// Returns whether the current layer is no longer the one that begin() read, as after an import or *Reload*. O(1).
 bool LaplacianDragTool::isStale() {
   const auto layer = on_ && !window_.loading() ? window_.currentLayer() : std::nullopt;
-  return layer && (active_ ? layer->id == layer_ && !active_->writer().seems_to_match(*layer->mesh)
-                           : sizeOf(*layer) != refused_);
+  return layer &&
+         (active_ ? layer->id == layer_ && !active_->writer.seems_to_match(*layer->mesh) : sizeOf(*layer) != refused_);
 }
 
 /// Ends the use of the layer, which may be deleted.
@@ -284,41 +273,45 @@ void LaplacianDragTool::leaveLayer(bool forGood) {
   if (active_ && !mesh) {
     shared_->forget(*active_);
   } else if (active_) {
-    active_->session().leave();
-    const bool isFinished = active_->session().finish(kLongestFinish);
-    const LayerSession::Update update = write(*active_, layer_);
+    active_->session.leave();
+    const bool isFinished = active_->session.finish(kLongestFinish);
+    const bool isChanged = write(*active_, layer_) == Written::MeshChanged;
     if (forGood && !isFinished) {
       active_->leftBy = this;
     } else if (forGood) {
-      conclude(*active_, update == LayerSession::Update::MeshChanged);
+      conclude(*active_, isChanged);
     }
   }
   sessionGone();
 }
 
 /// Writes what has moved into the layer's mesh, and shows it.
-LayerSession::Update LaplacianDragTool::write(LayerSession& session, int layer) {
+LaplacianDragTool::Written LaplacianDragTool::write(LayerSession& known, int layer) {
   CMeshO* const mesh = meshOf(layer);
-  const LayerSession::Update update = mesh ? session.update(*mesh) : LayerSession::Update::Nothing;
-  if (update == LayerSession::Update::Passing || update == LayerSession::Update::Settled) {
-    window_.uploadGeometry(layer);
+  const PoseChange* const change = mesh ? known.session.take_change() : nullptr;
+  if (!change) {
+    return Written::Nothing;
   }
-  if (update == LayerSession::Update::Settled) {
+  if (!known.writer.write(*mesh, change->vertices, change->positions, change->settled)) {
+    return Written::MeshChanged;
+  }
+  window_.uploadGeometry(layer);
+  if (change->settled) {
     window_.markModified(layer);
   }
-  return update;
+  return Written::Pose;
 }
 
 /// Ends the use of a session whose layer is left. @param meshChanged  by other code
 void LaplacianDragTool::conclude(LayerSession& session, bool meshChanged) {
-  const Edit edit = session.session().recorded();
+  const Edit edit = session.session.recorded();
   const int position = std::exchange(session.historyPosition, -1);
   if (!edit.steps.empty() && !meshChanged) {
     session.inHistory = QString::fromStdString(write_edit(edit));
     window_.addToHistory(session.inHistory, position);
   }
-  if (session.session().has_steps()) {
-    session.session().keep_painted();  // frees the factorisation, which takes much memory
+  if (session.session.has_steps()) {
+    session.session.keep_painted();  // frees the factorisation, which takes much memory
   } else {
     shared_->keepInheritance(session);
   }
@@ -332,16 +325,16 @@ void LaplacianDragTool::finishLeft(LayerSession& session, int layer, bool now) {
       shared_->pollSoon();  // a filter may be reading the mesh
       return;
     }
-    const bool isSame = mesh && session.writer().matches(*mesh);
-    const auto isSolving = [&] { return session.session().state() == DragSession::State::Settling; };
+    const bool isSame = mesh && session.writer.matches(*mesh);
+    const auto isSolving = [&] { return session.session.state() == DragSession::State::Settling; };
     if (isSame) {
-      session.session().poll();
+      session.session.poll();
       if (isSolving() && !now) {
         return;  // called again
       }
     }
     if (isSolving()) {
-      session.session().cancel();
+      session.session.cancel();
       window_.log("The drag released last was cancelled: the layer was changed or closed before it was solved.");
     }
     session.leftBy = nullptr;
@@ -357,15 +350,6 @@ void LaplacianDragTool::finishLeft(LayerSession& session, int layer, bool now) {
   });
 }
 
-/// Cancels the drags that are still being solved, since the view is closed.
-void LaplacianDragTool::finishAllLeft() {
-  if (shared_) {
-    for (const auto& [session, layer] : shared_->left(this)) {
-      finishLeft(*session, layer, true);
-    }
-  }
-}
-
 CMeshO* LaplacianDragTool::meshOf(int layer) {
   const auto present = window_.layer(layer);
   return present ? present->mesh : nullptr;
@@ -379,7 +363,7 @@ void LaplacianDragTool::openPanel() {
     guarded([&] {
       if (active_) {
         notice_.clear();
-        change(active_->session());
+        change(active_->session);
         afterEvent();
       }
     });
@@ -403,7 +387,7 @@ std::optional<Layer> LaplacianDragTool::usableLayer() {
 
 /// Reads the layers to snap to, if they have changed.
 void LaplacianDragTool::readOthers() {
-  if (active_ && active_->session().tools().snaps) {
+  if (active_ && active_->session.tools().snaps) {
     others_.read(window_.layers(), layer_);
   }
 }
@@ -413,7 +397,7 @@ void LaplacianDragTool::readOthers() {
 void LaplacianDragTool::poll() {
   guarded([this] {
     if (active_) {
-      active_->session().poll();
+      active_->session.poll();
       hover();
       afterEvent();
     }
@@ -424,12 +408,11 @@ void LaplacianDragTool::afterEvent() {
   if (!active_) {
     return;
   }
-  const LayerSession::Update update = write(*active_, layer_);
-  if (update == LayerSession::Update::MeshChanged) {
+  const Written written = write(*active_, layer_);
+  if (written == Written::MeshChanged) {
     begin();
-  } else if (update != LayerSession::Update::Nothing) {
-    clock_.poseArrived();
   }
+  frame_.posed |= written == Written::Pose;
   readOthers();
   refreshPanel();
   showShape();
@@ -440,14 +423,14 @@ void LaplacianDragTool::refreshPanel() {
   if (!shared_ || !shared_->isUsedBy(*this)) {
     return;
   }
-  DragSession* const session = active_ ? &active_->session() : nullptr;
+  DragSession* const session = active_ ? &active_->session : nullptr;
   shared_->panel().show(session);
   const bool isReading = session && session->tools().snaps && (others_.targets() == nullptr || others_.busy());
   const bool isSolving = session && session->state() == DragSession::State::Settling;
   // For tests.
   shared_->panel().setProperty("laplacian_drag_busy",
                                session && (session->busy() || session->searching() || isSolving || isReading));
-  shared_->panel().setProperty("laplacian_drag_frames", clock_.frames());
+  shared_->panel().setProperty("laplacian_drag_frames", frame_.count);
 }
 
 // --- The panel's buttons --------------------------------------------------------------------------------------------
@@ -462,12 +445,14 @@ void LaplacianDragTool::command(const QString& part, std::optional<DragKey> key)
     return;
   }
   notice_.clear();
-  DragSession& session = active_->session();
+  DragSession& session = active_->session;
   const std::optional<BrushTarget> paint = session.tools().paint;
   if (key) {
     session.key(*key, cursor());
   } else if (part == "from_selection") {
-    session.set_painted(paint.value_or(BrushTarget::Region), active_->selected(*layer->mesh));
+    session.set_painted(paint.value_or(BrushTarget::Region),
+                        united(selected_vertices(*layer->mesh, active_->coreVertex),
+                               vertices_of_selected_faces(*layer->mesh, active_->coreVertex)));
   } else if (part == "invert" || part == "blur") {
     session.change_painted(part == "blur" ? PaintChange::Blur : PaintChange::Invert);
   } else if (part == "component") {
@@ -477,30 +462,28 @@ void LaplacianDragTool::command(const QString& part, std::optional<DragKey> key)
   } else if (part == "reset") {
     session.go_to(0);
   } else {
-    part == "save" ? askToSave(*layer) : askToLoad(*layer);
+    ask(*layer, part == "save");
   }
   takeKeys();
   afterEvent();
 }
 
-// A dialog does not wait for its answer, since anything may happen to the session while it is open.
-
-void LaplacianDragTool::askToSave(const Layer& layer) {
-  const QFileDialog* const dialog = saveDialog(window_.mainWindow(), editFileFor(layer));
-  const auto save = [this, edit = active_->session().saved()](const QString& path) {
+/// Saves or loads an edit. The dialog does not wait for its answer, since anything may happen to the session while it
+/// is open.
+void LaplacianDragTool::ask(const Layer& layer, bool saves) {
+  const auto answered = [this, saves, id = layer.id,
+                         edit = saves ? active_->session.saved() : Edit()](const QString& path) {
     guarded([&] {
+      if (!saves) {
+        return load(path, id);
+      }
       say(saveEdit(path, edit));
       takeKeys();
       window_.repaint();
     });
   };
-  connect(dialog, &QFileDialog::fileSelected, this, save, Qt::QueuedConnection);
-}
-
-void LaplacianDragTool::askToLoad(const Layer& layer) {
-  const QFileDialog* const dialog = loadDialog(window_.mainWindow(), editFileFor(layer));
-  const auto open = [this, id = layer.id](const QString& path) { guarded([&] { load(path, id); }); };
-  connect(dialog, &QFileDialog::fileSelected, this, open, Qt::QueuedConnection);
+  const QFileDialog* const dialog = askForFile(window_.viewport().window(), editFileFor(layer), saves);
+  connect(dialog, &QFileDialog::fileSelected, this, answered, Qt::QueuedConnection);
 }
 
 /// Applies a saved edit to a layer, which has to be the current one still.
@@ -516,8 +499,8 @@ void LaplacianDragTool::load(const QString& path, int id) {
     layers.push_back({each.name, each.file.toStdString(), each.mesh});
   }
   const Edit edit =
-      with_scans(load_edit(path.toStdString(), &active_->session().original()), layer_reader(layers, *layer->mesh));
-  active_->session().load(in_space(edit, space_of_file(layer->file.toStdString())), transform_note(*layer->mesh));
+      with_scans(load_edit(path.toStdString(), &active_->session.original()), layer_reader(layers, *layer->mesh));
+  active_->session.load(in_space(edit, space_of_file(layer->file.toStdString())), transform_note(*layer->mesh));
   takeKeys();
   afterEvent();
 }

@@ -17,42 +17,6 @@
 #include "overlay.h"
 #include "window_sessions.h"
 
-/// Follows the frames of a drag: from the first mouse move that is not shown yet to the image that shows it.
-class FrameClock {
- public:
-  void reset() { moved_ = posed_ = false; }
-
-  void mouseMoved() {
-    if (!moved_) {
-      moved_ = true;
-      posed_ = false;  // an earlier pose does not show this move
-      sinceMove_.start();
-    }
-  }
-  /// Call it when a pose was uploaded to the graphics card.
-  void poseArrived() { posed_ = true; }
-  void paintBegins() { sincePaint_.start(); }
-  /// Returns the milliseconds since paintBegins().
-  int sincePaint() const { return static_cast<int>(sincePaint_.elapsed()); }
-  /// Call it when the image is on the screen. @return whether this completes a frame
-  bool painted() {
-    const bool completes = posed_ && moved_;
-    frames_ += completes ? 1 : 0;
-    moved_ = moved_ && !completes;
-    posed_ = false;
-    return completes;
-  }
-
-  /// Returns whether the mouse moved within this time and no pose has followed.
-  bool waitsForPose(int milliseconds) const { return moved_ && !posed_ && sinceMove_.elapsed() < milliseconds; }
-  int frames() const { return frames_; }  ///< so far
-
- private:
-  QElapsedTimer sinceMove_, sincePaint_;
-  bool moved_ = false, posed_ = false;
-  int frames_ = 0;
-};
-
 /// The tool in one view: passes mouse and keys to the session of the current layer, and draws it.
 class LaplacianDragTool : public QObject {
   Q_OBJECT
@@ -109,18 +73,16 @@ class LaplacianDragTool : public QObject {
   bool isStale();
   void openPanel();
   void leaveLayer(bool forGood);
-  LayerSession::Update write(LayerSession& session, int layer);
+  enum class Written { Nothing, Pose, MeshChanged };  // by other code, so that no pose was written
+  Written write(LayerSession& known, int layer);
   void conclude(LayerSession& session, bool meshChanged);
-  void finishAllLeft();
   void leaveViewport();
   lapedit::Cursor cursor() const;
   lapedit::PressModifiers pressModifiers() const;
   void hover();
-  void modifiersChanged(bool control);
   void cancelMotion();
   bool handle(QEvent& event);
   bool escape(QEvent& event);
-  Qt::CursorShape shape() const;
   void showShape();
   void afterEvent();
   void readOthers();
@@ -128,8 +90,7 @@ class LaplacianDragTool : public QObject {
   bool poseIsComing() const;
   void framePainted();
   void command(const QString& part, std::optional<lapedit::DragKey> key);
-  void askToSave(const lapedit::host::Layer& layer);
-  void askToLoad(const lapedit::host::Layer& layer);
+  void ask(const lapedit::host::Layer& layer, bool saves);
   void load(const QString& path, int id);
   void takeKeys();
   StatusLine line(bool usable);
@@ -172,7 +133,12 @@ class LaplacianDragTool : public QObject {
 
   OtherLayers others_;
 
-  FrameClock clock_;
+  /// From the first mouse move of a drag that is not shown yet to the image that shows it.
+  struct Frame {
+    QElapsedTimer sinceMove, sincePaint;
+    bool moved = false, posed = false;  // posed: a pose was uploaded to the graphics card since
+    int count = 0;                      // complete ones so far
+  } frame_;
   bool repaintQueued_ = false;
 
   int layer_ = -1;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "line_picture.h"
 
-#include <QtGui/qopengl.h>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -64,28 +63,6 @@ QSize sizeOf(QPainter& painter, const StatusLine& line) {
 }
 
 }  // namespace
-
-PaintsTexts::PaintsTexts(QPainter& painter) : painter_(painter) {
-  glPushAttrib(GL_ENABLE_BIT | GL_VIEWPORT_BIT);
-  for (const GLenum mode : {GL_PROJECTION, GL_MODELVIEW}) {
-    glMatrixMode(mode);
-    glPushMatrix();
-  }
-  glDisable(GL_DEPTH_TEST);
-  painter.endNativePainting();
-  painter.save();
-  painter.setRenderHints(QPainter::Antialiasing | QPainter::TextAntialiasing);
-}
-
-PaintsTexts::~PaintsTexts() {
-  painter_.restore();
-  painter_.beginNativePainting();
-  for (const GLenum mode : {GL_PROJECTION, GL_MODELVIEW}) {
-    glMatrixMode(mode);
-    glPopMatrix();
-  }
-  glPopAttrib();
-}
 
 StatusLine fitted(QPainter& painter, StatusLine line) {
   const int room = painter.window().height() / 4;

@@ -9,18 +9,6 @@
 
 // Texts over the picture, in pixels of the view, which is the painter's window.
 
-/// Lets a painter of MeshLab's view draw during its lifetime, and restores OpenGL's state afterwards.
-class PaintsTexts {
- public:
-  explicit PaintsTexts(QPainter& painter);
-  ~PaintsTexts();
-  PaintsTexts(const PaintsTexts&) = delete;
-  PaintsTexts& operator=(const PaintsTexts&) = delete;
-
- private:
-  QPainter& painter_;
-};
-
 /// The line over the picture.
 struct StatusLine {
   QString text;           ///< what happens, or what the next click does

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "overlay.h"
 
+#include <QOpenGLContext>
+#include <QOpenGLFunctions>
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -13,23 +15,53 @@ using namespace lapedit;
 
 namespace {
 
+/// Makes OpenGL draw flat colours.
+void beginFlat() {
+  // Otherwise OpenGL would read buffers that MeshLab left bound in place of our arrays.
+  if (QOpenGLContext* context = QOpenGLContext::currentContext()) {
+    context->functions()->glUseProgram(0);
+    context->functions()->glBindBuffer(GL_ARRAY_BUFFER, 0);
+    context->functions()->glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, 0);
+  }
+  for (const GLenum unused : {GL_LIGHTING, GL_TEXTURE_2D, GL_CULL_FACE}) {
+    glDisable(unused);
+  }
+  for (const GLenum used : {GL_DEPTH_TEST, GL_BLEND, GL_POINT_SMOOTH, GL_LINE_SMOOTH}) {
+    glEnable(used);
+  }
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_FALSE);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glShadeModel(GL_SMOOTH);
+}
+
+/// Makes coordinates pixels from the upper left corner.
+void toPixels(double width, double height) {
+  glMatrixMode(GL_PROJECTION);
+  glLoadIdentity();
+  glOrtho(0, width, height, 0, -1, 1);
+  glMatrixMode(GL_MODELVIEW);
+  glLoadIdentity();
+}
+
 /// Draws the displacement of the grabbed point, and the locked axis.
-void drawMotion(const DragSession& session, double pixelRatio) {
+void drawMotion(const DragSession& session) {
   const DragMotion& motion = *session.motion();
   if (const auto axis = motion.axis()) {
     const double reach = 10 * session.settings().radius;
     const Vector3& position = motion.kind() == MotionKind::Translate ? motion.grab() : motion.center();
-    pen::rimmed(pen::axisColor(motion.lock(), session.gizmo_element()), 1, pixelRatio,
+    pen::rimmed(pen::axisColor(motion.lock(), session.gizmo_element()), 1,
                 [&] { pen::line<Vector3>(position - reach * *axis, position + reach * *axis); });
   }
   if (motion.kind() == MotionKind::Translate && motion.moves()) {
     const Vector3 moved = session.active_map() * motion.grab();
-    pen::rimmed(pen::kYellow, 1.5, pixelRatio, [&] { pen::line(motion.grab(), moved); });
+    pen::rimmed(pen::kYellow, 1.5, [&] { pen::line(motion.grab(), moved); });
   }
 }
 
 /// Draws a line from the active handle's target to where contact stops it, which a solved pose shows.
-void drawStop(const DragSession& session, double pixelRatio) {
+void drawStop(const DragSession& session) {
   constexpr double kVisible = 0.02;  // of the radius
   const ShownRegion& shown = session.shown();
   const Affine map = session.active_map();
@@ -43,50 +75,45 @@ void drawStop(const DragSession& session, double pixelRatio) {
     }
   }
   if ((target - stop).norm() > kVisible * count * session.settings().radius) {
-    pen::rimmed(pen::kOrange, 2, pixelRatio, [&] { pen::line<Vector3>(target / count, stop / count); });
+    pen::rimmed(pen::kOrange, 2, [&] { pen::line<Vector3>(target / count, stop / count); });
   }
 }
 
 /// Draws the pivot if no gizmo shows it.
-void drawPivot(const DragSession& session, const Camera& view, double pixelRatio) {
+void drawPivot(const DragSession& session, const Camera& view) {
   if (session.tools().pivot == Pivot::Centroid || session.selection().active < 0 || session.tools().gizmo ||
       session.motion()) {
     return;
   }
   const Vector2 center = view.pixel(session.pivot_position());
-  pen::rimmed(pen::kOrange, 2, pixelRatio, [&] {
+  pen::rimmed(pen::kOrange, 2, [&] {
     pen::circle(center, 5);
     pen::cross(center, 9);
   });
 }
 
-void drawBrush(const Overlay::Brush& brush, const pen::Color& color, double pixelRatio) {
-  pen::rimmed(color, 1.5, pixelRatio, [&] { pen::circle(brush.center, brush.radius); });
-  pen::rimmed(color, 1.5, pixelRatio, [&] { pen::cross(brush.center, 4, !brush.takes); });
+void drawBrush(const Overlay::Brush& brush, const pen::Color& color) {
+  pen::rimmed(color, 1.5, [&] { pen::circle(brush.center, brush.radius); });
+  pen::rimmed(color, 1.5, [&] { pen::cross(brush.center, 4, !brush.takes); });
 }
 
 /// Returns the colour of the brush's target.
 pen::Color brushColor(const DragSession& session) {
-  switch (session.tools().paint.value_or(BrushTarget::Region)) {
-    case BrushTarget::Handle:
-      return pen::groupColor(std::max(session.selection().active, 0));
-    case BrushTarget::Anchors:
-      return pen::kAnchor;
-    case BrushTarget::Region:
-      break;
-  }
-  return pen::kFree;
+  const BrushTarget target = session.tools().paint.value_or(BrushTarget::Region);
+  return target == BrushTarget::Handle    ? pen::groupColor(std::max(session.selection().active, 0))
+         : target == BrushTarget::Anchors ? pen::kAnchor
+                                          : pen::kFree;
 }
 
 // --- The gizmo -------------------------------------------------------------------------------------------------------
 
 constexpr double kHeadLength = 15, kHeadWidth = 6, kScale = 5.5, kCross = 5;
 constexpr int kCorners = 72;
+constexpr double kStep = 2 * 3.14159265358979 / kCorners;
 
 struct Picture {
   const Gizmo& gizmo;
   const Camera& view;
-  double ratio;
 };
 
 void arrow(const Picture& p, int axis, bool bright) {
@@ -100,8 +127,8 @@ void arrow(const Picture& p, int axis, bool bright) {
   const double half = bright ? kHeadWidth + 1.5 : kHeadWidth;
   const pen::Color color = bright ? pen::kYellow : pen::axisColor(axis);
   const Vector2 head[] = {tip, neck + half * side, neck - half * side};
-  pen::rimmed(color, bright ? 4 : 2.5, p.ratio, [&] { pen::line(from, neck); });
-  pen::rimmed(color, 1, p.ratio, [&] {
+  pen::rimmed(color, bright ? 4 : 2.5, [&] { pen::line(from, neck); });
+  pen::rimmed(color, 1, [&] {
     pen::shape(GL_TRIANGLES, head);
     pen::shape(GL_LINE_LOOP, head);
   });
@@ -111,36 +138,28 @@ void arrow(const Picture& p, int axis, bool bright) {
 void ring(const Picture& p, int axis, bool front, bool bright) {
   const Vector3 sight = p.view.toward_viewer(p.gizmo.center);
   const auto draw = [&](GLenum mode) {
-    bool open = false;
-    for (int i = 0; i <= kCorners; ++i) {
-      const double angle = 2 * 3.14159265358979 * i / kCorners;
-      const Vector3 position = p.gizmo.on_ring(axis, angle);
-      // Points in the plane of the picture belong to the nearer half.
-      const bool mine = ((position - p.gizmo.center).dot(sight) > -0.02 * p.gizmo.length) == front;
-      if (mine && !open) {
-        glBegin(mode);
+    glBegin(mode);
+    for (int i = 0; i < kCorners; ++i) {
+      const Vector3 from = p.gizmo.on_ring(axis, i * kStep), to = p.gizmo.on_ring(axis, (i + 1) * kStep);
+      // Sides in the plane of the picture belong to the nearer half.
+      const bool isFront = ((from + to) / 2 - p.gizmo.center).dot(sight) > -0.02 * p.gizmo.length;
+      if (isFront == front) {
+        pen::vertex(p.view.pixel(from));
+        pen::vertex(p.view.pixel(to));
       }
-      if (mine) {
-        pen::vertex(p.view.pixel(position));
-      } else if (open) {
-        glEnd();
-      }
-      open = mine;
     }
-    if (open) {
-      glEnd();
-    }
+    glEnd();
   };
   const pen::Color color = bright ? pen::kYellow : pen::axisColor(axis);
   if (front) {
     const double width = bright ? 4 : 2.5;
-    pen::rimmed(color, width, p.ratio, [&] { draw(GL_LINE_STRIP); });
-    glPointSize(static_cast<GLfloat>(width * p.ratio));  // covers the joints of the line, where the rim would show
+    pen::rimmed(color, width, [&] { draw(GL_LINES); });
+    pen::setSize(width);  // covers the joints of the line, where the rim would show
     draw(GL_POINTS);
   } else {
-    glLineWidth(static_cast<GLfloat>(1.5 * p.ratio));
+    pen::setWidth(1.5);
     pen::set(color, bright ? 0.7 : 0.35);
-    draw(GL_LINE_STRIP);
+    draw(GL_LINES);
   }
 }
 
@@ -148,12 +167,12 @@ void scaleHandle(const Picture& p, bool bright) {
   const Vector2 at = p.view.pixel(p.gizmo.scale_handle(p.view));
   const double half = bright ? kScale + 1.5 : kScale;
   const Vector2 center = p.view.pixel(p.gizmo.center);
-  glLineWidth(static_cast<GLfloat>(p.ratio));
+  pen::setWidth(1);
   pen::set(pen::kLight, 0.5);
   pen::line(Vector2(center + Gizmo::kRing / Gizmo::kScale * (at - center)), at);
   const Vector2 across(half, 0), up(0, half);
   const Vector2 square[] = {at - across - up, at + across - up, at + across + up, at - across + up};
-  pen::rimmed(bright ? pen::kYellow : pen::kLight, 1, p.ratio, [&] {
+  pen::rimmed(bright ? pen::kYellow : pen::kLight, 1, [&] {
     pen::shape(GL_QUADS, square);
     pen::shape(GL_LINE_LOOP, square);
   });
@@ -172,16 +191,16 @@ void letter(const Picture& p, int axis) {
   for (Vector2& end : ends) {
     end += tip + 11 * (tip - center).stableNormalized();
   }
-  pen::rimmed(pen::kLight, 1.3, p.ratio, [&] { pen::shape(GL_LINES, ends); });
+  pen::rimmed(pen::kLight, 1.3, [&] { pen::shape(GL_LINES, ends); });
 }
 
 /// Draws a gizmo, in pixels. @param element  under the cursor or held, highlighted
 /// @param alone  draws only that element, which the user drags
-void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement element, bool alone, double pixelRatio) {
+void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement element, bool alone) {
   if (!gizmo.center.allFinite() || !view.in_front(gizmo.center)) {
     return;
   }
-  const Picture p{gizmo, view, pixelRatio};
+  const Picture p{gizmo, view};
   const auto is = [element](GizmoElement first, int axis) {
     return element == static_cast<GizmoElement>(static_cast<int>(first) + axis);
   };
@@ -205,11 +224,11 @@ void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement element, boo
   if (alone ? element == GizmoElement::Scale : !gizmo.only_arrows) {
     scaleHandle(p, element == GizmoElement::Scale);
   }
-  pen::rimmed(pen::kLight, 1.3, pixelRatio, [&] { pen::cross(view.pixel(gizmo.center), kCross); });  // the pivot
+  pen::rimmed(pen::kLight, 1.3, [&] { pen::cross(view.pixel(gizmo.center), kCross); });  // the pivot
 }
 
 /// Draws the angle of a rotation, from where the mouse started; in pixels.
-void drawTurn(const DragMotion& motion, const Camera& view, double pixelRatio) {
+void drawTurn(const DragMotion& motion, const Camera& view) {
   const HandleTransform turn = motion.transform();
   const double radius = Gizmo::kRing * place_gizmo(motion.center(), GizmoAxes::Layer, Vector3::Zero(), view).length;
   const Vector3 side = turn.axis.cross(motion.arm());
@@ -224,18 +243,17 @@ void drawTurn(const DragMotion& motion, const Camera& view, double pixelRatio) {
   };
   const double degrees = std::clamp(turn.degrees, -360.0, 360.0);
   const int corners = 1 + whole_part(std::abs(degrees) / 4, 0, 90);
-  pen::set(pen::kYellow, 0.3);
-  glBegin(GL_TRIANGLE_FAN);
-  pen::vertex(view.pixel(motion.center()));
+  std::vector<Vector2> fan = {view.pixel(motion.center())};
   for (int i = 0; i <= corners; ++i) {
-    pen::vertex(at(degrees * i / corners, 1));
+    fan.push_back(at(degrees * i / corners, 1));
   }
-  glEnd();
+  pen::set(pen::kYellow, 0.3);
+  pen::shape(GL_TRIANGLE_FAN, fan);
   const auto line = [&](double angle, double from, double to) { pen::line(at(angle, from), at(angle, to)); };
-  pen::rimmed(pen::kLight, 1, pixelRatio, [&] { line(0, 0, 1); });
-  pen::rimmed(pen::kYellow, 1.5, pixelRatio, [&] { line(turn.degrees, 0, 1); });
+  pen::rimmed(pen::kLight, 1, [&] { line(0, 0, 1); });
+  pen::rimmed(pen::kYellow, 1.5, [&] { line(turn.degrees, 0, 1); });
   for (double tick = 0; motion.step() > 0 && tick < 360; tick += motion.step()) {
-    pen::rimmed(pen::kLight, 1, pixelRatio, [&] { line(tick, 1.03, 1.1); });
+    pen::rimmed(pen::kLight, 1, [&] { line(tick, 1.03, 1.1); });
   }
 }
 
@@ -250,10 +268,6 @@ void lines(GLenum mode, const Points& ends) {
   glDisableClientState(GL_VERTEX_ARRAY);
 }
 
-void segments(const Points& ends) {
-  lines(GL_LINES, ends);
-}
-
 /// Draws a circle in the tangent plane, for a radius that is too large to follow along the surface.
 void tangentCircle(const HoverPreview& preview, double radius) {
   const Vector3 u = preview.normal.unitOrthogonal(), v = preview.normal.cross(u);
@@ -262,67 +276,61 @@ void tangentCircle(const HoverPreview& preview, double radius) {
   });
 }
 
-void dot(const Vector3& position, double size, double pixelRatio, double alpha = 0.8) {
-  pen::dots(pen::kYellow, size * pixelRatio, alpha,
-            [&] { pen::shape(GL_POINTS, std::initializer_list<Vector3>{position}); });
-}
-
-/// Draws the mirror image, paler.
-void drawImage(const HoverPreview& preview, double pixelRatio) {
-  constexpr double kPale = 0.45;
-  pen::rimmed(
-      pen::kLight, 1.2, pixelRatio, [&] { segments(preview.mirrored.region); }, kPale);
-  pen::rimmed(
-      pen::kYellow, 2, pixelRatio, [&] { segments(preview.mirrored.disc); }, kPale);
-  if (preview.disc_radius == 0) {
-    dot(*preview.mirrored_point, 7, pixelRatio, kPale);
-  }
+void dot(const Vector3& position, double size, double alpha = 0.8) {
+  pen::dots(pen::kYellow, size, alpha, [&] { pen::shape(GL_POINTS, std::initializer_list<Vector3>{position}); });
 }
 
 /// Draws outlines of what a press would pick on the surface; SurfacePicture highlights groups.
-void drawHover(const HoverPreview& preview, double pixelRatio) {
+void drawHover(const HoverPreview& preview) {
   if (preview.path.rows() > 1) {  // the piece of the curve that a click would add
     glDepthRange(0, kAbove);
-    pen::rimmed(pen::kYellow, 2, pixelRatio, [&] { lines(GL_LINE_STRIP, preview.path); });
+    pen::rimmed(pen::kYellow, 2, [&] { lines(GL_LINE_STRIP, preview.path); });
     glDepthRange(0, 1);
   }
   if (preview.curve_point) {
-    dot(*preview.curve_point, 13, pixelRatio);
+    dot(*preview.curve_point, 13);
   }
   using Kind = HoverPreview::Kind;
   if ((preview.kind != Kind::Region && preview.kind != Kind::Handle) || preview.radius == 0) {
     return;
   }
+  const auto draw = [&preview](const Outlines& outlines, const Vector3& middle, double alpha, bool flat) {
+    if (preview.kind == Kind::Region) {
+      pen::rimmed(
+          pen::kLight, 1.2,
+          [&] {
+            lines(GL_LINES, outlines.region);
+            if (flat) {
+              tangentCircle(preview, preview.radius);
+            }
+          },
+          alpha);
+    }
+    if (preview.disc_radius == 0) {
+      return dot(middle, 7, std::min(alpha, 0.8));
+    }
+    pen::rimmed(
+        pen::kYellow, 2,
+        [&] {
+          lines(GL_LINES, outlines.disc);
+          if (flat && outlines.disc.rows() == 0) {
+            tangentCircle(preview, preview.disc_radius);
+          }
+        },
+        alpha);
+  };
   glDepthRange(0, kAbove);
   if (preview.mirrored_point) {
-    drawImage(preview, pixelRatio);
+    draw(preview.mirrored, *preview.mirrored_point, 0.45, false);
   }
-  const bool flat = !preview.is_whole && !preview.normal.isZero(0);
-  if (preview.kind == Kind::Region) {
-    pen::rimmed(pen::kLight, 1.2, pixelRatio, [&] {
-      segments(preview.region);
-      if (flat) {
-        tangentCircle(preview, preview.radius);
-      }
-    });
-  }
-  if (preview.disc_radius > 0) {
-    pen::rimmed(pen::kYellow, 2, pixelRatio, [&] {
-      segments(preview.disc);
-      if (flat && preview.disc.rows() == 0) {
-        tangentCircle(preview, preview.disc_radius);
-      }
-    });
-  } else {
-    dot(preview.point, 7, pixelRatio);
-  }
+  draw(preview, preview.point, 1, !preview.is_whole && !preview.normal.isZero(0));
   glDepthRange(0, 1);
 }
 
 }  // namespace
 
 /// Draws the mirror plane, as large as the mesh's box.
-void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
+void Overlay::drawPlane(const DragSession& session) {
   if (!box_) {
     box_ = bounding_box(session.original().vertices);
   }
@@ -344,10 +352,10 @@ void Overlay::drawPlane(const DragSession& session, double pixelRatio) {
   pen::set(pen::kPurple, 0.12);
   pen::shape(GL_QUADS, corners);
   pen::rimmed(
-      pen::kPurple, 1, pixelRatio, [&] { pen::shape(GL_LINE_LOOP, corners); }, 0.6);
+      pen::kPurple, 1, [&] { pen::shape(GL_LINE_LOOP, corners); }, 0.6);
 }
 
-void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double pixelRatio) {
+void Overlay::drawGizmoOf(const DragSession& session, const Camera& view) {
   const DragMotion* const motion = session.motion();
   if (!motion) {
     gizmo_ = session.gizmo(view);
@@ -364,42 +372,44 @@ void Overlay::drawGizmoOf(const DragSession& session, const Camera& view, double
   if (motion && motion->kind() == MotionKind::Translate) {
     shown.center += motion->transform().translation;
   }
-  drawGizmo(shown, view, session.gizmo_element(), motion != nullptr, pixelRatio);
+  drawGizmo(shown, view, session.gizmo_element(), motion != nullptr);
 }
 
 void Overlay::draw(const DragSession& session, const Camera& view, const Options& options) {
-  const pen::FlatState state;
-  const double ratio = options.pixelRatio;
+  beginFlat();
+  glMatrixMode(GL_MODELVIEW);
+  glMultMatrixd(options.transform.data());
+  pen::pixelRatio = options.pixelRatio;
   const HoverPreview* const hover = session.motion() ? nullptr : session.hover();
   const bool onGroup = hover && hover->kind == HoverPreview::Kind::Group;
   if (session.selection().next != Selection::Next::Region) {
-    surface_.draw(session, {onGroup ? hover->group : -1, options.colours, ratio});
+    surface_.draw(session, onGroup ? hover->group : -1, options.colours);
   }
   if (session.tools().mirror) {
-    drawPlane(session, ratio);
+    drawPlane(session);
   }
   if (hover) {
-    drawHover(*hover, ratio);
+    drawHover(*hover);
   }
   glDisable(GL_DEPTH_TEST);
   if (session.motion()) {
-    drawMotion(session, ratio);
+    drawMotion(session);
     if (session.settings().edit.contact && session.shown().away()) {
-      drawStop(session, ratio);
+      drawStop(session);
     }
   }
   if (view.valid()) {
-    const pen::InPixels pixels(options.width, options.height);
+    toPixels(options.width, options.height);
     if (session.lasso() != nullptr) {
-      pen::rimmed(brushColor(session), 1.5, ratio, [&] { pen::shape(GL_LINE_LOOP, *session.lasso()); });
+      pen::rimmed(brushColor(session), 1.5, [&] { pen::shape(GL_LINE_LOOP, *session.lasso()); });
     } else if (options.brush) {
-      drawBrush(*options.brush, brushColor(session), ratio);
+      drawBrush(*options.brush, brushColor(session));
     } else {
-      drawGizmoOf(session, view, ratio);
-      drawPivot(session, view, ratio);
+      drawGizmoOf(session, view);
+      drawPivot(session, view);
     }
     if (session.motion() && session.motion()->kind() == MotionKind::Rotate) {
-      drawTurn(*session.motion(), view, ratio);
+      drawTurn(*session.motion(), view);
     }
   }
 }

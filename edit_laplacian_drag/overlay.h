@@ -17,19 +17,20 @@ class Overlay {
   };
 
   struct Options {
-    double width = 0, height = 0;  ///< of the view, pixels
-    double pixelRatio = 1;         ///< device pixels per pixel
+    double width = 0, height = 0;                             ///< of the view, pixels
+    double pixelRatio = 1;                                    ///< device pixels per pixel
+    Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();  ///< of the layer
     std::optional<Brush> brush;
     Colours colours = Colours::Region;
   };
 
-  /// Draws with the current OpenGL context, in the layer's coordinates: its transform is in the modelview matrix.
-  /// Restores OpenGL's state. O(size of the region).
+  /// Draws with the current OpenGL context, whose modelview matrix is that of the world. Changes OpenGL's state.
+  /// O(size of the region).
   void draw(const lapedit::DragSession& session, const lapedit::Camera& view, const Options& options);
 
  private:
-  void drawGizmoOf(const lapedit::DragSession& session, const lapedit::Camera& view, double pixelRatio);
-  void drawPlane(const lapedit::DragSession& session, double pixelRatio);
+  void drawGizmoOf(const lapedit::DragSession& session, const lapedit::Camera& view);
+  void drawPlane(const lapedit::DragSession& session);
 
   SurfacePicture surface_;
   std::optional<lapedit::Gizmo> gizmo_;     // before the motion

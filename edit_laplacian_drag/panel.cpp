@@ -8,10 +8,12 @@
 #include <QCheckBox>
 #include <QCloseEvent>
 #include <QComboBox>
+#include <QDoubleSpinBox>
 #include <QFormLayout>
 #include <QKeyEvent>
 #include <QLineEdit>
 #include <QLocale>
+#include <QPainter>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QScrollArea>
@@ -22,13 +24,13 @@
 #include <cmath>
 #include <utility>
 
-#include "panel_widgets.h"
-
 using namespace lapedit;
 
 namespace {
 
-constexpr int kFieldWidth = 160;
+constexpr int kFieldWidth = 160, kButtonWidth = 50;        // pixels; buttons have at least that
+constexpr double kLongest = 1e12;                          // limit of lengths
+constexpr const char* kListOf = "laplacian_drag_list_of";  // property of a list: the box that it belongs to
 
 const char* const kUnknown = "\u2013";
 
@@ -36,6 +38,27 @@ const char* const kUnknown = "\u2013";
 QString text(const std::optional<double>& figure, char format, int digits) {
   return figure ? QString::number(*figure, format, digits) : QString(kUnknown);
 }
+
+/// A number without trailing zeros. A double click selects all of it, and not only the digits before or after the
+/// point.
+class NumberBox : public QDoubleSpinBox {
+ public:
+  NumberBox() { lineEdit()->installEventFilter(this); }
+  QString textFromValue(double value) const override {
+    QString text = QDoubleSpinBox::textFromValue(value);
+    while (text.contains('.') && (text.endsWith('0') || text.endsWith('.'))) {
+      text.chop(1);
+    }
+    return text;
+  }
+  bool eventFilter(QObject* object, QEvent* event) override {
+    if (event->type() == QEvent::MouseButtonDblClick) {
+      selectAll();
+      return true;
+    }
+    return QDoubleSpinBox::eventFilter(object, event);
+  }
+};
 
 }  // namespace
 
@@ -86,7 +109,7 @@ void Panel::setMesh(const TriangleMesh& mesh) {
   const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
   const double size = diagonal > 0 && std::isfinite(diagonal) ? diagonal : 1;
   defaults_ = settings_for(mesh);
-  history_.shown = -1;  // the list shows another session
+  shownHistory_ = -1;  // the list shows another session
   middle_ = box.isEmpty() ? Vector3(Vector3::Zero()) : Vector3(box.center());
   const int digits = std::clamp(5 - static_cast<int>(std::floor(std::log10(size))), 2, 12);
   for (QDoubleSpinBox* length : lengths_) {
@@ -102,13 +125,11 @@ void Panel::show(const DragSession* session) {
   if (!has) {
     return;
   }
-  for (const Remembered& value : remembered_) {
+  for (Remembered& value : remembered_) {
     const double now = value.access.get(*session);
-    if (session->tools().gizmo_by_click && value.part == "gizmo") {
-      continue;
-    }
-    if (!stored_.contains(value.part) || stored_[value.part] != now) {
-      file_.setValue("panel/" + value.part, stored_[value.part] = now);
+    if (value.stored != now && !(session->tools().gizmo_by_click && value.key == "panel/gizmo")) {
+      value.stored = now;
+      file_.setValue(value.key, now);
     }
   }
   for (const auto& bring : shown_) {
@@ -120,18 +141,17 @@ void Panel::show(const DragSession* session) {
 }
 
 void Panel::remember(const char* part, double high, const Access& access) {
+  const QString key = QString("panel/") + part;
   bool isNumber = false;
-  const double value = file_.value(QString("panel/") + part).toDouble(&isNumber);
-  if (isNumber && value >= 0 && value <= high) {
-    stored_[part] = value;
-  }
-  remembered_.push_back({part, high, access});
+  const double value = file_.value(key).toDouble(&isNumber);
+  const bool isKnown = isNumber && value >= 0 && value <= high;
+  remembered_.push_back({key, access, isKnown ? std::optional(value) : std::nullopt});
 }
 
 void Panel::recall(DragSession& session) const {
   for (const Remembered& value : remembered_) {
-    if (const auto stored = stored_.find(value.part); stored != stored_.end()) {
-      value.access.set(session, *stored);
+    if (value.stored) {
+      value.access.set(session, *value.stored);
     }
   }
   session.forget_refusal();
@@ -226,6 +246,24 @@ bool Panel::eventFilter(QObject* object, QEvent* event) {
 void Panel::closeEvent(QCloseEvent* event) {
   QDockWidget::closeEvent(event);
   emit closed();
+}
+
+/// Draws the icon's shape in the palette's colours.
+QIcon Panel::icon(const QString& part) const {
+  const QImage shape(":/laplacian_drag/icons/" + part + ".png");
+  QIcon icon;
+  for (const QIcon::Mode mode : {QIcon::Normal, QIcon::Disabled}) {
+    if (QImage image = shape; !image.isNull()) {
+      QPainter painter(&image);
+      painter.setCompositionMode(QPainter::CompositionMode_SourceIn);
+      painter.fillRect(image.rect(), palette().color(mode == QIcon::Normal ? QPalette::Active : QPalette::Disabled,
+                                                     QPalette::ButtonText));
+      painter.end();
+      image.setDevicePixelRatio(2);
+      icon.addPixmap(QPixmap::fromImage(image), mode);
+    }
+  }
+  return icon;
 }
 
 // --- Fields, lists, sliders and buttons ------------------------------------------------------------------------------
@@ -360,7 +398,7 @@ QPushButton* Panel::resetButton() {
 }
 
 QPushButton* Panel::button(const char* part, const QString& text, const QString& help, std::optional<DragKey> key) {
-  auto* made = new QPushButton(panelIcon(part, palette()), text);
+  auto* made = new QPushButton(icon(part), text);
   made->setObjectName(nameOf(part));
   made->setToolTip(help);
   made->setMinimumWidth(kButtonWidth);  // the style's own minimum is wider

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <QDockWidget>
+#include <QIcon>
 #include <QLabel>
-#include <QMap>
 #include <QPointer>
 #include <QSettings>
 #include <QString>
@@ -72,6 +72,11 @@ class Panel : public QDockWidget {
   template <auto member, int factor = 1>
   static Access access();
 
+  static constexpr const char* kValue = "laplacian_drag_value";  ///< property of a text: its value before it was edited
+  static QString nameOf(const QString& part) { return "laplacian_drag_" + part; }
+  /// Returns the icon of a button or choice, by <part> of its name; empty if there is none.
+  QIcon icon(const QString& part) const;
+
   /// Stores a value between runs of MeshLab. @param high  its largest value; the smallest is 0
   void remember(const char* part, double high, const Access& access);
 
@@ -130,21 +135,18 @@ class Panel : public QDockWidget {
   QFormLayout* form_ = nullptr;     ///< of the current group
   lapedit::DragSettings defaults_;  ///< of the mesh
   struct Remembered {
-    QString part;
-    double high;
+    QString key;
     Access access;
+    std::optional<double> stored;
   };
   std::vector<Remembered> remembered_;
-  QMap<QString, double> stored_;
   QSettings file_{"laplacian-edit", "laplacian-drag"};
   lapedit::Vector3 middle_ = lapedit::Vector3::Zero();
   std::vector<std::function<void(const lapedit::DragSession&)>> shown_;  ///< one per value
   std::vector<QLabel*> titles_;                                          ///< of rows
   std::vector<QDoubleSpinBox*> lengths_;                                 ///< with digits that depend on the mesh's size
-  struct History {
-    QListWidget* list = nullptr;
-    int shown = -1;  ///< serial of the timeline that it shows
-  } history_;
+  QListWidget* history_ = nullptr;
+  int shownHistory_ = -1;  ///< serial of the timeline
   QComboBox* colours_;
   QProgressBar* progress_;
   QLabel *region_ = new QLabel, *quality_ = new QLabel;

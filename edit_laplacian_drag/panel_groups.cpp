@@ -18,7 +18,6 @@
 #include <utility>
 
 #include "panel.h"
-#include "panel_widgets.h"
 
 using namespace lapedit;
 
@@ -123,8 +122,8 @@ void Panel::addBasic() {
            session.take_by_click(index == 1 ? HandleMode::Curve : HandleMode::Vertex);
          }
        }});
-  click->setItemIcon(0, panelIcon("disc", palette()));
-  click->setItemIcon(1, panelIcon("curve", palette()));
+  click->setItemIcon(0, icon("disc"));
+  click->setItemIcon(1, icon("curve"));
   row(tr("Click takes"), click);
   row(tr("Settings"), resetButton());
   row(tr("Turn about"),
@@ -353,34 +352,33 @@ void Panel::addLastStep() {
 }
 
 void Panel::addHistory() {
-  history_.list = new QListWidget;
-  history_.list->setObjectName(nameOf("timeline"));
-  history_.list->setToolTip(
-      tr("All steps and strokes in order: a click goes to the state after one; grey ones are undone"));
-  history_.list->setFocusPolicy(Qt::NoFocus);
-  history_.list->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  history_.list->setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Fixed);
-  history_.list->setFixedHeight(kHistoryRows * history_.list->fontMetrics().lineSpacing());
-  connect(history_.list, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
-    const auto row = static_cast<std::size_t>(history_.list->row(item));
-    history_.shown = -1;  // fills the list again, since the session may refuse
+  history_ = new QListWidget;
+  history_->setObjectName(nameOf("timeline"));
+  history_->setToolTip(tr("All steps and strokes in order: a click goes to the state after one; grey ones are undone"));
+  history_->setFocusPolicy(Qt::NoFocus);
+  history_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  history_->setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Fixed);
+  history_->setFixedHeight(kHistoryRows * history_->fontMetrics().lineSpacing());
+  connect(history_, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
+    const auto row = static_cast<std::size_t>(history_->row(item));
+    shownHistory_ = -1;  // fills the list again, since the session may refuse
     change([row](DragSession& session) { session.go_to(row); });
   });
-  form_->addRow(history_.list);
+  form_->addRow(history_);
 }
 
 void Panel::showHistory(const Timeline& timeline) {
-  if (std::exchange(history_.shown, timeline.serial()) == timeline.serial()) {
+  if (std::exchange(shownHistory_, timeline.serial()) == timeline.serial()) {
     return;
   }
-  history_.list->clear();
-  history_.list->addItem(tr("Start"));
+  history_->clear();
+  history_->addItem(tr("Start"));
   for (const Action& action : timeline.done()) {
-    history_.list->addItem(QString::fromStdString(action.name));
+    history_->addItem(QString::fromStdString(action.name));
   }
-  history_.list->setCurrentRow(history_.list->count() - 1);
+  history_->setCurrentRow(history_->count() - 1);
   for (auto action = timeline.undone().rbegin(); action != timeline.undone().rend(); ++action) {
-    auto* const item = new QListWidgetItem(QString::fromStdString(action->name), history_.list);
+    auto* const item = new QListWidgetItem(QString::fromStdString(action->name), history_);
     item->setForeground(palette().brush(QPalette::Disabled, QPalette::Text));
   }
 }
@@ -407,11 +405,32 @@ void Panel::addView() {
 }
 
 void Panel::begin(const char* group, const QString& title, const QString& help, bool open) {
-  auto* const made = new FoldGroup(title, open);
-  made->header()->setObjectName(nameOf(QString("group_") + group));
-  made->header()->setToolTip(help);
-  column_->addWidget(made);
-  form_ = made->form();
+  auto* const header = new QToolButton;
+  header->setObjectName(nameOf(QString("group_") + group));
+  header->setToolTip(help);
+  header->setText(title);
+  header->setCheckable(true);
+  header->setChecked(open);
+  header->setAutoRaise(true);
+  header->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+  header->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+  header->setFocusPolicy(Qt::NoFocus);
+  QFont bold = header->font();
+  bold.setBold(true);
+  header->setFont(bold);
+  auto* const body = new QWidget;
+  form_ = new QFormLayout(body);
+  form_->setVerticalSpacing(2);
+  form_->setHorizontalSpacing(4);
+  form_->setContentsMargins(4, 0, 4, 4);
+  column_->addWidget(header);
+  column_->addWidget(body);
+  const auto fold = [header, body](bool shown) {
+    body->setVisible(shown);
+    header->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
+  };
+  fold(open);
+  connect(header, &QToolButton::toggled, body, fold);
 }
 
 void Panel::row(const QString& label, QWidget* field) {

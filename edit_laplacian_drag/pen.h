@@ -6,11 +6,14 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "lapedit/mesh/adjacency.h"
 #include "lapedit/session/gizmo.h"
 
-/// Draws over the surface: colours, and lines with a dark rim, which are visible on any mesh.
+/// Draws over the surface: colours, and lines with a dark rim, which are visible on any mesh. Widths and sizes are in
+/// pixels of the view.
 namespace pen {
+
+/// Device pixels per pixel of the view that is being drawn.
+inline double pixelRatio = 1;
 
 using Color = std::array<unsigned char, 3>;
 
@@ -78,11 +81,19 @@ void circle(GLenum mode, int corners, const At& at) {
   glEnd();
 }
 
+inline void setWidth(double width) {
+  glLineWidth(static_cast<GLfloat>(width * pixelRatio));
+}
+
+inline void setSize(double size) {
+  glPointSize(static_cast<GLfloat>(size * pixelRatio));
+}
+
 /// Draws lines with a rim, then again without; calls draw() twice.
 template <class Draw>
-void rimmed(const Color& color, double width, double pixelRatio, const Draw& draw, double alpha = 1) {
+void rimmed(const Color& color, double width, const Draw& draw, double alpha = 1) {
   for (const bool rim : {true, false}) {
-    glLineWidth(static_cast<GLfloat>((rim ? width + 2 : width) * pixelRatio));
+    setWidth(rim ? width + 2 : width);
     set(rim ? kDark : color, rim ? 0.75 * alpha : alpha);
     draw();
   }
@@ -91,37 +102,14 @@ void rimmed(const Color& color, double width, double pixelRatio, const Draw& dra
 /// Draws points; calls draw() twice if they have a rim.
 template <class Draw>
 void dots(const Color& color, double size, double alpha, const Draw& draw, bool rimmed = true) {
-  if (rimmed) {
-    glPointSize(static_cast<GLfloat>(size + 3));
-    set(kDark, alpha);
-    draw();
+  for (const bool rim : {true, false}) {
+    if (!rim || rimmed) {
+      setSize(rim ? size + 3 : size);
+      set(rim ? kDark : color, alpha);
+      draw();
+    }
   }
-  glPointSize(static_cast<GLfloat>(size));
-  set(color, alpha);
-  draw();
 }
-
-/// Draws lines of the vertex array. Fills the joints of wide lines if they are opaque; in other lines the fillings
-/// would be visible.
-void chains(const lapedit::Chains& chains, double width, bool opaque = true);
-
-/// Makes coordinates pixels from the upper left corner during its lifetime, without a depth test.
-class InPixels {
- public:
-  InPixels(double width, double height);
-  ~InPixels();
-  InPixels(const InPixels&) = delete;
-  InPixels& operator=(const InPixels&) = delete;
-};
-
-/// Makes OpenGL draw flat colours during its lifetime, and restores its state afterwards.
-class FlatState {
- public:
-  FlatState();
-  ~FlatState();
-  FlatState(const FlatState&) = delete;
-  FlatState& operator=(const FlatState&) = delete;
-};
 
 /// Draws a circle about a pixel.
 inline void circle(const lapedit::Vector2& center, double radius) {

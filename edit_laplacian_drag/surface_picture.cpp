@@ -21,10 +21,8 @@ constexpr std::size_t kMostMovingFaces = 12000;
 const GLubyte* hatch() {
   static const std::array<GLubyte, 128> pattern = [] {
     std::array<GLubyte, 128> bits{};
-    for (int y = 0; y < 32; ++y) {
-      for (int x = 0; x < 32; ++x) {
-        bits[4 * y + x / 8] |= static_cast<GLubyte>((x + y) % 8 < 3 ? 0x80 >> (x % 8) : 0);
-      }
+    for (std::size_t i = 0; i < bits.size(); ++i) {
+      bits[i] = static_cast<GLubyte>(0xE0E0U << i / 4 % 8 >> 8);  // each row is shifted by one
     }
     return bits;
   }();
@@ -32,12 +30,12 @@ const GLubyte* hatch() {
 }
 
 /// Makes the lines that follow dashed. @param wandering  the dashes move with time
-void beginDashes(double pixelRatio, bool wandering) {
+void beginDashes(bool wandering) {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   const auto step = std::chrono::duration_cast<std::chrono::milliseconds>(now).count() / 50 % 16;
   const unsigned dashes = 0x0FF00FF0U >> (wandering ? step : 0);
   glEnable(GL_LINE_STIPPLE);
-  glLineStipple(static_cast<GLint>(std::ceil(pixelRatio)), static_cast<GLushort>(dashes & 0xFFFFU));
+  glLineStipple(static_cast<GLint>(std::ceil(pen::pixelRatio)), static_cast<GLushort>(dashes & 0xFFFFU));
 }
 
 void triangles(const std::vector<unsigned>& corners) {
@@ -62,6 +60,20 @@ void faces(const std::vector<unsigned>& corners, const pen::Color& color, double
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDepthRange(0, kShift);
+}
+
+/// Draws lines. Fills the joints of wide lines if they are opaque; in other lines the fillings would be visible.
+void drawChains(const Chains& chains, double width, bool opaque = true) {
+  pen::setWidth(width);
+  const unsigned* at = chains.vertices.data();
+  for (const int length : chains.lengths) {
+    glDrawElements(GL_LINE_STRIP, length, GL_UNSIGNED_INT, at);
+    at += length;
+  }
+  if (opaque && width > 2) {
+    pen::setSize(width);
+    glDrawElements(GL_POINTS, static_cast<GLsizei>(chains.vertices.size()), GL_UNSIGNED_INT, chains.vertices.data());
+  }
 }
 
 void points(const std::vector<unsigned>& indices, const pen::Color& color, double size, double alpha,
@@ -224,7 +236,7 @@ void SurfacePicture::takePositions(const DragSession& session) {
 
 // --- Drawing --------------------------------------------------------------------------------------------------------
 
-void SurfacePicture::draw(const DragSession& session, const Options& options) {
+void SurfacePicture::draw(const DragSession& session, int hovered, Colours colours) {
   if (!isListed(session)) {
     list(session);
     poseSerial_ = -1;
@@ -238,18 +250,18 @@ void SurfacePicture::draw(const DragSession& session, const Options& options) {
   glPolygonOffset(0, -4);  // without a slope, which would show the far side at silhouettes
   glPolygonStipple(hatch());
   if (session.shown().region()) {
-    drawRegion(session, options);
+    drawRegion(session, colours);
   }
   const std::size_t groups = patches_.size() - 2;
   for (std::size_t g = 0; g < groups; ++g) {
-    drawGroup(session, g, options);
+    drawGroup(session, g, session.group_of_image(static_cast<int>(g)) == hovered, colours);
   }
   const auto marked = [&](const Patch& patch, const pen::Color& color, double alpha, double hatchAlpha,
                           const pen::Color& outline) {
     faces(patch.faces, color, alpha, pen::kDark, hatchAlpha);
     pen::set(outline);
-    pen::chains(patch.border, 1.5 * options.pixelRatio);
-    points(patch.loose, outline, 4 * options.pixelRatio, 1);
+    drawChains(patch.border, 1.5);
+    points(patch.loose, outline, 4, 1);
   };
   marked(patches_[groups], pen::kLight, 0.35, 0.6, pen::kGrey);  // not connected
   marked(patches_.back(), pen::kAnchor, session.motion() ? 0.35 : 0.6, 0.35, pen::kAnchor);
@@ -257,13 +269,13 @@ void SurfacePicture::draw(const DragSession& session, const Options& options) {
   glDisableClientState(GL_VERTEX_ARRAY);
 }
 
-void SurfacePicture::drawRegion(const DragSession& session, const Options& options) {
+void SurfacePicture::drawRegion(const DragSession& session, Colours colours) {
   const bool moving = session.motion() != nullptr;
   glDepthRange(0, 1);
   glEnable(GL_POLYGON_OFFSET_FILL);
-  if (options.colours == Colours::Stretch) {
+  if (colours == Colours::Stretch) {
     drawHeat(session);
-  } else if (options.colours != Colours::None) {
+  } else if (colours != Colours::None) {
     // During a motion the tint is paler, so that the surface is easier to see. Large regions have none, since
     // frames are faster without.
     if (!moving || free_.faces.size() <= 3 * kMostMovingFaces) {
@@ -275,12 +287,12 @@ void SurfacePicture::drawRegion(const DragSession& session, const Options& optio
   glDepthRange(0, kShift);
   const auto line = [&](const Chains& chains, const pen::Color& color, double alpha, double width) {
     pen::set(color, alpha);
-    pen::chains(chains, width * options.pixelRatio, false);
+    drawChains(chains, width, false);
   };
   line(free_.border, pen::kAnchor, 0.8, 1.5);
   line(rim_, pen::kDark, 0.7, 3.5);
   if (session.preparation().running) {
-    beginDashes(options.pixelRatio, true);
+    beginDashes(true);
   }
   line(rim_, pen::kLight, 0.95, 1.5);
   glDisable(GL_LINE_STIPPLE);
@@ -325,13 +337,12 @@ void SurfacePicture::drawFolds(const DragSession& session) {
 }
 
 /// Draws a handle group: with a bright outline if it moves, hatched if it holds.
-void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, const Options& options) {
+void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, bool hovered, Colours colours) {
   const Patch& patch = patches_[group];
   const int given = session.group_of_image(static_cast<int>(group));
   const pen::Color color = pen::groupColor(static_cast<std::size_t>(given));
   const bool active = session.selection().moves(given);
   const bool moving = session.motion() != nullptr;
-  const bool hovered = given == options.hovered;
   // Without a pose, draw the group at its target.
   const bool ahead = session.selection().moves(static_cast<int>(group)) && moving &&
                      (!session.shown().region() || !session.preparation().has_preview);
@@ -342,7 +353,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
     glMultMatrixd(map.data());
     glDisable(GL_DEPTH_TEST);
   }
-  if (options.colours != Colours::None) {
+  if (colours != Colours::None) {
     faces(patch.faces, color, (active && !moving ? 0.5 : 0.25) + (hovered ? 0.2 : 0), color,
           active   ? 0
           : moving ? 0.45
@@ -351,17 +362,16 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   glDepthRange(0, kShift);
   // Loose vertices next to faces of the group get no mark of their own.
   const bool alone = patch.faces.empty();
-  const double ratio = options.pixelRatio;
-  const double size = (!alone ? 4 : patch.loose.size() == 1 ? 9 : 6) * ratio;
+  const double size = !alone ? 4 : patch.loose.size() == 1 ? 9 : 6;
   const auto outline = [&](double width, double alpha) {
     const auto line = [&](double pixels, const pen::Color& drawn, double opacity) {
       pen::set(drawn, opacity * alpha);
-      pen::chains(patch.border, pixels * ratio, alpha == 1 && active);
+      drawChains(patch.border, pixels, alpha == 1 && active);
     };
     line(width + 2, pen::kDark, 0.85);
     const bool bright = active || hovered;
     if (!bright || (session.preparation().running && !session.shown().region())) {
-      beginDashes(ratio, active);
+      beginDashes(active);
     }
     line(width, bright ? pen::kLight : color, 1);
     glDisable(GL_LINE_STIPPLE);
@@ -380,7 +390,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, co
   }
   outline(width, 1);
   points(patch.loose, color, size, 1, alone);
-  points(patch.points, color, 9 * ratio, 1);
+  points(patch.points, color, 9, 1);
   if (ahead) {
     glEnable(GL_DEPTH_TEST);
     glPopMatrix();

@@ -25,14 +25,9 @@ pen::Color stretchColor(float stretch);
 /// groups change; a frame of a drag only reads new positions, and allocates nothing.
 class SurfacePicture {
  public:
-  struct Options {
-    int hovered = -1;  ///< group under the cursor
-    Colours colours = Colours::Region;
-    double pixelRatio = 1.0;  ///< device pixels per pixel
-  };
-
-  /// O(size of the change), and a comparison of the groups.
-  void draw(const lapedit::DragSession& session, const Options& options);
+  /// @param hovered  group under the cursor; -1: none
+  /// Cost: O(size of the change), and a comparison of the groups.
+  void draw(const lapedit::DragSession& session, int hovered, Colours colours);
 
  private:
   /// Faces, an outline, and vertices that are in none of the faces.
@@ -48,10 +43,10 @@ class SurfacePicture {
   void findLoose(const lapedit::DragSession& session, const std::vector<int>& labels);
   void takePositions(const lapedit::DragSession& session);
   unsigned number(const lapedit::Region* region, int vertex) const;
-  void drawRegion(const lapedit::DragSession& session, const Options& options);
+  void drawRegion(const lapedit::DragSession& session, Colours colours);
   void drawHeat(const lapedit::DragSession& session);
   void drawFolds(const lapedit::DragSession& session);
-  void drawGroup(const lapedit::DragSession& session, std::size_t group, const Options& options);
+  void drawGroup(const lapedit::DragSession& session, std::size_t group, bool hovered, Colours colours);
 
   // Vertices are numbered as in the region, followed by those outside.
   int regionSerial_ = -1, poseSerial_ = -1;

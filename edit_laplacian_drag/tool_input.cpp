@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "laplacian_drag_tool.h"
-#include "panel_widgets.h"
 
 using namespace lapedit;
 using namespace lapedit::host;
@@ -20,6 +19,11 @@ constexpr int kDragPixels = 3;     // a shorter move is a click
 constexpr int kNoticePixels = 12;  // a move of the mouse that ends a notice
 constexpr double kRadiusPerNotch = 1.1, kHandleSharePerNotch = 1.25, kPaddingPerNotch = 0.02;
 constexpr double kSmallestHandleShare = 0.01;  // a smaller one becomes a single vertex
+
+double threeDigits(double value) {
+  const double step = std::pow(10.0, std::floor(std::log10(value)) - 2);
+  return step * std::round(value / step);
+}
 
 /// Returns the session's key for an event.
 std::optional<DragKey> sessionKey(const QKeyEvent& event) {
@@ -85,7 +89,7 @@ bool LaplacianDragTool::handle(QEvent& event) {
       if (poseIsComing()) {
         return true;
       }
-      clock_.paintBegins();
+      frame_.sincePaint.start();
       later([this] { framePainted(); });
       break;
     case QEvent::ShortcutOverride:
@@ -102,7 +106,7 @@ bool LaplacianDragTool::handle(QEvent& event) {
     case QEvent::Leave:
       mouse_.inside = false;
       if (active_) {
-        active_->session().leave();
+        active_->session.leave();
         window_.repaint();
       }
       break;
@@ -114,7 +118,9 @@ bool LaplacianDragTool::handle(QEvent& event) {
       break;
     case QEvent::DeferredDelete:  // the view is being closed
       leave();
-      finishAllLeft();
+      for (const auto& [session, layer] : shared_ ? shared_->left(this) : WindowSessions::Left()) {
+        finishLeft(*session, layer, true);
+      }
       break;
     default:
       break;
@@ -128,7 +134,7 @@ bool LaplacianDragTool::escape(QEvent& event) {
   if (static_cast<QKeyEvent&>(event).key() != Qt::Key_Escape || !active_ || window_.suspended()) {
     return false;
   }
-  DragSession& session = active_->session();
+  DragSession& session = active_->session;
   const DragSession::State state = session.state();
   const bool moves = state == DragSession::State::Dragging || state == DragSession::State::Settling;
   if (!moves && !session.tools().paint && !shown_.keys) {
@@ -154,7 +160,7 @@ void LaplacianDragTool::cancelMotion() {
   if (active_) {
     mouse_.pressed = false;
     notice_.clear();
-    active_->session().cancel();
+    active_->session.cancel();
     afterEvent();
   }
 }
@@ -176,38 +182,28 @@ PressModifiers LaplacianDragTool::pressModifiers() const {
 /// Shows what a press would pick.
 void LaplacianDragTool::hover() {
   if (mouse_.inside && !window_.suspended() && usableLayer() && view_.valid() &&
-      active_->session().hover(cursor(), pressModifiers())) {
+      active_->session.hover(cursor(), pressModifiers())) {
     window_.repaint();
   }
 }
 
-Qt::CursorShape LaplacianDragTool::shape() const {
-  const DragSession& session = active_->session();
-  if (session.motion()) {
-    return Qt::ClosedHandCursor;
-  }
-  if (session.preparation().running && !session.preparation().has_preview) {
-    return Qt::BusyCursor;
-  }
-  if (mouse_.modifiers & (Qt::ControlModifier | Qt::ShiftModifier)) {
-    return Qt::CrossCursor;
-  }
-  if (session.gizmo_element() != GizmoElement::None) {
-    return Qt::SizeAllCursor;
-  }
-  const HoverPreview* const hover = session.hover();
-  return !hover                                     ? Qt::ArrowCursor
-         : hover->kind == HoverPreview::Kind::Group ? Qt::OpenHandCursor
-                                                    : Qt::PointingHandCursor;
-}
-
+/// Gives the cursor the shape for what a press would do.
 void LaplacianDragTool::showShape() {
-  QWidget& viewport = window_.viewport();
   if (!active_ || window_.suspended() || mouse_.navigating != Qt::NoButton) {
     return;
   }
-  if (viewport.cursor().shape() != shape()) {
-    viewport.setCursor(shape());
+  const DragSession& session = active_->session;
+  const HoverPreview* const hover = session.hover();
+  const bool paints = mouse_.modifiers & (Qt::ControlModifier | Qt::ShiftModifier);
+  const Qt::CursorShape shape = session.motion() ? Qt::ClosedHandCursor
+                                : session.preparation().running && !session.preparation().has_preview ? Qt::BusyCursor
+                                : paints                                                              ? Qt::CrossCursor
+                                : session.gizmo_element() != GizmoElement::None ? Qt::SizeAllCursor
+                                : !hover                                        ? Qt::ArrowCursor
+                                : hover->kind == HoverPreview::Kind::Group      ? Qt::OpenHandCursor
+                                                                                : Qt::PointingHandCursor;
+  if (window_.viewport().cursor().shape() != shape) {
+    window_.viewport().setCursor(shape);
   }
 }
 
@@ -242,7 +238,7 @@ void LaplacianDragTool::mousePress(const QMouseEvent& event) {
   notice_.clear();
   offered_ = -1;
   shown_.keys = false;
-  if (event.button() == Qt::RightButton && active_ && active_->session().motion()) {
+  if (event.button() == Qt::RightButton && active_ && active_->session.motion()) {
     cancelMotion();
     return;
   }
@@ -268,8 +264,8 @@ void LaplacianDragTool::mousePress(const QMouseEvent& event) {
   mouse_.pressed = true;
   mouse_.moved = false;
   mouse_.pressedAt = event.localPos();
-  const bool covered = !active_->session().motion() && !lasso && isCovered();
-  if (covered || (!active_->session().press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier)) {
+  const bool covered = !active_->session.motion() && !lasso && isCovered();
+  if (covered || (!active_->session.press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier)) {
     mouse_.pressed = false;
     mouse_.asks = true;
     mouse_.navigating = Qt::LeftButton;
@@ -284,7 +280,7 @@ void LaplacianDragTool::mouseMove(const QMouseEvent& event) {
   if (offered_ < 0 && (mouse_.position - mouse_.noticedAt).manhattanLength() > kNoticePixels) {
     notice_.clear();
     if (active_ && event.buttons() == Qt::NoButton) {
-      active_->session().forget_refusal();
+      active_->session.forget_refusal();
     }
   }
   if (mouse_.navigating != Qt::NoButton) {
@@ -297,7 +293,7 @@ void LaplacianDragTool::mouseMove(const QMouseEvent& event) {
   if (mouse_.pressed && !(event.buttons() & Qt::LeftButton)) {
     // The release went to another receiver: to the view while the tool was suspended, or to a dialog.
     mouse_.pressed = false;
-    active_->session().cancel();
+    active_->session.cancel();
     afterEvent();
     return;
   }
@@ -307,10 +303,13 @@ void LaplacianDragTool::mouseMove(const QMouseEvent& event) {
       return;
     }
   }
-  DragSession& session = active_->session();
+  DragSession& session = active_->session;
   session.move(cursor());
   if (session.motion()) {
-    clock_.mouseMoved();
+    if (!std::exchange(frame_.moved, true)) {
+      frame_.posed = false;  // an earlier pose does not show this move
+      frame_.sinceMove.start();
+    }
     afterEvent();
   } else if (mouse_.pressed) {
     afterEvent();
@@ -334,7 +333,7 @@ void LaplacianDragTool::mouseRelease(const QMouseEvent& event) {
   }
   if (!usableLayer() || !view_.valid()) {
     if (active_) {
-      active_->session().cancel();  // the layer was hidden meanwhile
+      active_->session.cancel();  // the layer was hidden meanwhile
       afterEvent();
     }
     return;
@@ -343,7 +342,7 @@ void LaplacianDragTool::mouseRelease(const QMouseEvent& event) {
   if (!mouse_.moved) {
     at.pixel = Vector2(mouse_.pressedAt.x(), mouse_.pressedAt.y());
   }
-  active_->session().release(at);
+  active_->session.release(at);
   hover();
   afterEvent();
 }
@@ -353,7 +352,7 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
   notice_.clear();
   offered_ = -1;
   if (active_) {
-    active_->session().forget_refusal();
+    active_->session.forget_refusal();
   }
   const bool control = event.modifiers() & Qt::ControlModifier, shift = event.modifiers() & Qt::ShiftModifier;
   if ((event.modifiers() & Qt::AltModifier) || (control && !shift)) {
@@ -368,14 +367,14 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
   hover();
   constexpr qint64 kRest = 500;  // milliseconds; zooming may bring the mesh under the cursor
   const bool zooms = mouse_.zoomed.isValid() && mouse_.zoomed.elapsed() < kRest;
-  if (event.modifiers() == Qt::NoModifier && mouse_.inside && (zooms || active_->session().is_beside())) {
+  if (event.modifiers() == Qt::NoModifier && mouse_.inside && (zooms || active_->session.is_beside())) {
     mouse_.zoomed.start();
     window_.navigate(event);
     return;
   }
   const int angle = event.angleDelta().y() != 0 ? event.angleDelta().y() : event.angleDelta().x();
   const double notches = angle / 120.0;
-  const DragSettings before = active_->session().settings();
+  const DragSettings before = active_->session.settings();
   DragSettings settings = before;
   if (control) {
     settings.padding = std::clamp(settings.padding + kPaddingPerNotch * notches, 0.0, 1.0);
@@ -384,12 +383,12 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
         std::max(settings.handle_fraction, kSmallestHandleShare) * std::pow(kHandleSharePerNotch, notches);
     settings.handle_fraction = grown < kSmallestHandleShare ? 0 : std::min(grown, kLargestHandleFraction);
   } else {
-    settings = active_->session().settings_at_cursor();
+    settings = active_->session.settings_at_cursor();
     const double disc = disc_radius(settings);  // stays as it is
     settings.radius = threeDigits(settings.radius * std::pow(kRadiusPerNotch, notches));
     settings.handle_fraction = std::min(disc / settings.radius, kLargestHandleFraction);
   }
-  active_->session().set_settings(settings);
+  active_->session.set_settings(settings);
   saySettings(before);
   hover();
   afterEvent();
@@ -397,13 +396,12 @@ void LaplacianDragTool::wheel(QWheelEvent& event) {
 
 /// Shows the value that the wheel has changed, unless it was refused.
 void LaplacianDragTool::saySettings(const DragSettings& before) {
-  const DragSettings& now = active_->session().settings();
+  const DragSettings& now = active_->session.settings();
   const auto number = [](double value) { return QString::number(value, 'g', 3); };
   if (now.radius != before.radius) {
-    notice_ =
-        (active_->session().shown().region() ? tr("Radius: %1 (Shift: handle size, Ctrl: zoom)")
-                                             : tr("Radius of the next region: %1 (Shift: handle size, Ctrl: zoom)"))
-            .arg(number(now.radius));
+    notice_ = (active_->session.shown().region() ? tr("Radius: %1 (Shift: handle size, Ctrl: zoom)")
+                                                 : tr("Radius of the next region: %1 (Shift: handle size, Ctrl: zoom)"))
+                  .arg(number(now.radius));
   } else if (now.handle_fraction != before.handle_fraction) {
     notice_ = now.handle_fraction == 0
                   ? tr("Handle size: one vertex")
@@ -440,8 +438,14 @@ void LaplacianDragTool::keyEvent(QKeyEvent& event) {
   if (pressed) {
     notice_.clear();
   }
-  modifiersChanged(control);
-  if (key && active_->session().key(*key, cursor())) {
+  if (control && usableLayer() && view_.valid() && active_->session.motion()) {
+    active_->session.move(cursor());  // Ctrl makes a motion go in steps
+    afterEvent();
+  } else {
+    hover();
+    showShape();
+  }
+  if (key && active_->session.key(*key, cursor())) {
     event.accept();
     saySwitch(*key);
     afterEvent();
@@ -450,7 +454,7 @@ void LaplacianDragTool::keyEvent(QKeyEvent& event) {
 
 /// Reports a setting that a key has switched, if the picture may not show it.
 void LaplacianDragTool::saySwitch(DragKey key) {
-  const Tools tools = active_->session().tools();
+  const Tools tools = active_->session.tools();
   if (key == DragKey::Curve) {
     notice_ = tools.mode == HandleMode::Curve ? tr("Clicks make a curve now. C: a disc or vertex again.")
                                               : tr("Clicks make a disc or vertex now. C: a curve.");
@@ -459,15 +463,4 @@ void LaplacianDragTool::saySwitch(DragKey key) {
                           : tr("Arrows and rings are hidden. V shows them.");
   }
   mouse_.noticedAt = mouse_.position;
-}
-
-/// Ctrl makes a motion go in steps; without a motion Ctrl and Shift change what a press does.
-void LaplacianDragTool::modifiersChanged(bool control) {
-  if (control && usableLayer() && view_.valid() && active_->session().motion()) {
-    active_->session().move(cursor());
-    afterEvent();
-    return;
-  }
-  hover();
-  showShape();
 }

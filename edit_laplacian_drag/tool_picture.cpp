@@ -58,7 +58,20 @@ double distanceAbout(const CMeshO& mesh, const Vector3& point) {
 }  // namespace
 
 void LaplacianDragTool::draw(QPainter& painter) {
+  constexpr GLenum kMatrices[] = {GL_PROJECTION, GL_MODELVIEW};
+  glPushAttrib(GL_ALL_ATTRIB_BITS);
+  glPushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);
+  for (const GLenum mode : kMatrices) {
+    glMatrixMode(mode);
+    glPushMatrix();
+  }
   guarded([&] { drawAll(painter); });
+  for (const GLenum mode : kMatrices) {
+    glMatrixMode(mode);
+    glPopMatrix();
+  }
+  glPopClientAttrib();
+  glPopAttrib();
 }
 
 /// Draws over the scene. The modelview matrix is that of the world.
@@ -74,15 +87,13 @@ void LaplacianDragTool::drawAll(QPainter& painter) {
   }
   bool hasLegend = false;
   if (layer) {
-    glMatrixMode(GL_MODELVIEW);
-    glPushMatrix();
-    glMultMatrixd(layer->transform.data());
     view_ = Camera(worldToClip_ * layer->transform, viewport.width(), viewport.height());
-    DragSession& session = active_->session();
+    DragSession& session = active_->session;
     Overlay::Options options;
     options.width = viewport.width();
     options.height = viewport.height();
     options.pixelRatio = viewport.devicePixelRatioF();
+    options.transform = layer->transform;
     if (session.hover() && !session.motion() && isCovered()) {
       session.leave();
     }
@@ -96,7 +107,6 @@ void LaplacianDragTool::drawAll(QPainter& painter) {
       options.brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
     }
     overlay_.draw(session, view_, options);
-    glPopMatrix();
     if (window_.suspended() && session.motion()) {
       // MeshLab's button or menu has suspended the tool. Cancel after drawing, since no upload is possible during it.
       later([this] { cancelMotion(); });
@@ -110,7 +120,7 @@ StatusLine LaplacianDragTool::line(bool usable) {
   if (!usable) {
     return {active_ ? tr("The layer is hidden: make it visible to edit it.") : nothing_};
   }
-  const DragSession& session = active_->session();
+  const DragSession& session = active_->session;
   StatusLine line;
   line.text = !notice_.isEmpty()    ? notice_
               : window_.suspended() ? tr("Suspended: the mouse turns the view. Esc resumes the tool.")
@@ -137,7 +147,7 @@ StatusLine LaplacianDragTool::line(bool usable) {
 QVector<QPointF> LaplacianDragTool::notToCover() const {
   QVector<QPointF> pixels;
   if (active_ && view_.valid()) {
-    const DragSession& session = active_->session();
+    const DragSession& session = active_->session;
     if (offered_ < 0 && session.warning().empty()) {
       pixels += mouse_.position;
     }
@@ -153,36 +163,44 @@ QVector<QPointF> LaplacianDragTool::notToCover() const {
 }
 
 void LaplacianDragTool::drawTexts(QPainter& painter, const StatusLine& line, bool hasLegend) {
-  const PaintsTexts paints(painter);
-  const StatusLine shown = fitted(painter, line);
-  QStringList texts{shown.text, shown.warningAndClick(), shown.position};
-  texts.removeAll(QString());
-  window_.viewport().setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
-  if (hasLegend) {
-    drawLegend(painter);
-  }
-  line_ = QRect();
-  if (shown_.keys) {
-    drawKeys(painter);
-  } else if (!texts.isEmpty()) {
-    line_ = drawLine(painter, shown, notToCover());
-  }
+  glDisable(GL_DEPTH_TEST);
+  painter.endNativePainting();
+  painter.save();
+  painter.setRenderHints(QPainter::Antialiasing | QPainter::TextAntialiasing);
+  guarded([&] {
+    const StatusLine shown = fitted(painter, line);
+    QStringList texts{shown.text, shown.warningAndClick(), shown.position};
+    texts.removeAll(QString());
+    window_.viewport().setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
+    if (hasLegend) {
+      drawLegend(painter);
+    }
+    line_ = QRect();
+    if (shown_.keys) {
+      drawKeys(painter);
+    } else if (!texts.isEmpty()) {
+      line_ = drawLine(painter, shown, notToCover());
+    }
+  });
+  painter.restore();
+  painter.beginNativePainting();
 }
 
 /// Returns whether a picture should wait for the pose that is being solved. MeshLab draws after each move of the mouse,
 /// and drawing twice would take twice as long.
 bool LaplacianDragTool::poseIsComing() const {
-  return active_ && active_->session().motion() && active_->session().preparation().has_preview &&
-         active_->session().busy() && clock_.waitsForPose(kLongestWait);
+  return active_ && active_->session.motion() && active_->session.preparation().has_preview &&
+         active_->session.busy() && frame_.moved && !frame_.posed && frame_.sinceMove.elapsed() < kLongestWait;
 }
 
 void LaplacianDragTool::framePainted() {
-  if (clock_.painted()) {
+  if (std::exchange(frame_.posed, false) && std::exchange(frame_.moved, false)) {
+    ++frame_.count;
     refreshPanel();
   }
   // The moving outline of a region shows that it is being prepared; most of the processor is left to the preparation.
-  if (active_ && active_->session().preparation().running && !std::exchange(repaintQueued_, true)) {
-    QTimer::singleShot(std::max(kDashWait, kDashShare * clock_.sincePaint()), this, [this] {
+  if (active_ && active_->session.preparation().running && !std::exchange(repaintQueued_, true)) {
+    QTimer::singleShot(std::max(kDashWait, kDashShare * static_cast<int>(frame_.sincePaint.elapsed())), this, [this] {
       repaintQueued_ = false;
       if (on_) {
         window_.repaint();
@@ -201,7 +219,7 @@ bool LaplacianDragTool::pressLine() {
     notice_.clear();
     return true;
   }
-  if (active_ && !active_->session().warning().empty() && !active_->session().motion()) {
+  if (active_ && !active_->session.warning().empty() && !active_->session.motion()) {
     showWarning();
     return true;
   }
@@ -216,7 +234,7 @@ bool LaplacianDragTool::isCovered() {
   if (!layer || window_.layers().size() < 2) {
     return false;
   }
-  const std::optional<Vector3> point = active_->session().surface_at(cursor(), pressModifiers());
+  const std::optional<Vector3> point = active_->session.surface_at(cursor(), pressModifiers());
   if (!point) {
     return false;
   }
@@ -226,7 +244,7 @@ bool LaplacianDragTool::isCovered() {
 
 /// Colours the stretch, marks folds and turns the view to them, or to the handle.
 void LaplacianDragTool::showWarning() {
-  const DragSession& session = active_->session();
+  const DragSession& session = active_->session;
   std::vector<int> vertices;
   if (const auto report = session.figures().report) {
     for (const auto& fold : report->causes.folds) {
@@ -270,8 +288,8 @@ void LaplacianDragTool::offerLayer() {
 
 /// Copies number and coordinates of the vertex under the cursor.
 void LaplacianDragTool::copyPlace() {
-  if (const HoverPreview* const hover = usableLayer() ? active_->session().hover() : nullptr) {
-    const QString position = positionOf(active_->session().mesh(), hover->vertex, 9);
+  if (const HoverPreview* const hover = usableLayer() ? active_->session.hover() : nullptr) {
+    const QString position = positionOf(active_->session.mesh(), hover->vertex, 9);
     QGuiApplication::clipboard()->setText(QString("%1 [%2]").arg(hover->vertex).arg(position));
     say(tr("On the clipboard: vertex %1 at %2").arg(hover->vertex).arg(position).toStdString());
     window_.repaint();

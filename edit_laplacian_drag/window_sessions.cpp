@@ -21,26 +21,10 @@ constexpr int kPictureWidth = 900;  // pixels
 
 }  // namespace
 
-// --- LayerSession ----------------------------------------------------------------------------------------------------
-
-LayerSession::LayerSession(const CMeshO& mesh, const DragSession::Callbacks& callbacks)
-    : LayerSession(mesh, read_mesh(mesh), callbacks) {}
-
 LayerSession::LayerSession(const CMeshO& mesh, const BridgedMesh& bridged, const DragSession::Callbacks& callbacks)
-    : coreVertex_(bridged.core_vertex),
-      session_(bridged.mesh, kStoredScalar, callbacks),
-      writer_(mesh, bridged, session_.given_adjacency()) {}
-
-LayerSession::Update LayerSession::update(CMeshO& mesh) {
-  const PoseChange* const change = session_.take_change();
-  if (change == nullptr) {
-    return Update::Nothing;
-  }
-  if (!writer_.write(mesh, change->vertices, change->positions, change->settled)) {
-    return Update::MeshChanged;
-  }
-  return change->settled ? Update::Settled : Update::Passing;
-}
+    : coreVertex(bridged.core_vertex),
+      session(bridged.mesh, kStoredScalar, callbacks),
+      writer(mesh, bridged, session.given_adjacency()) {}
 
 // --- WindowSessions --------------------------------------------------------------------------------------------------
 
@@ -119,8 +103,8 @@ void WindowSessions::end(LaplacianDragTool& user) {
   }
 }
 
-std::vector<std::pair<LayerSession*, int>> WindowSessions::left(const LaplacianDragTool* user) const {
-  std::vector<std::pair<LayerSession*, int>> found;
+WindowSessions::Left WindowSessions::left(const LaplacianDragTool* user) const {
+  Left found;
   for (const auto& [key, known] : sessions_) {
     const LaplacianDragTool* const by = known.session ? known.session->leftBy : nullptr;
     if (by != nullptr && (user == nullptr || by == user)) {
@@ -170,17 +154,17 @@ LayerSession& WindowSessions::make(int layer, const CMeshO& mesh) {
     }
   };
   callbacks.find_targets = [this] { return user_ ? user_->findTargets() : nullptr; };
-  auto made = std::make_unique<LayerSession>(mesh, callbacks);
+  auto made = std::make_unique<LayerSession>(mesh, read_mesh(mesh), callbacks);
   connect(document_, &QObject::destroyed, this, &WindowSessions::forgetDocument, Qt::UniqueConnection);
   Known& known = sessions_[{document_, layer}];
   if (known.session) {
-    known.left = known.session->session().inheritance();
+    known.left = known.session->session.inheritance();
   }
   if (known.left) {
-    made->session().inherit(*known.left);
+    made->session.inherit(*known.left);
     known.left.reset();
   } else {
-    panel_->recall(made->session());
+    panel_->recall(made->session);
   }
   endLater(std::exchange(known.session, std::move(made)));
   return *known.session;
@@ -204,7 +188,7 @@ void WindowSessions::endLater(std::unique_ptr<LayerSession> session) {
 void WindowSessions::keepInheritance(const LayerSession& session) {
   const auto is = [&session](const auto& known) { return known.second.session.get() == &session; };
   Known& known = std::find_if(sessions_.begin(), sessions_.end(), is)->second;
-  known.left = known.session->session().inheritance();
+  known.left = known.session->session.inheritance();
   endLater(std::move(known.session));
 }
 

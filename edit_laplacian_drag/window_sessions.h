@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "lapedit/base/joined_thread.h"
-#include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/drag_session.h"
 #include "lapedit_host/pose_writer.h"
 #include "panel.h"
@@ -19,42 +18,19 @@
 class LaplacianDragTool;
 class QMdiArea;
 
-/// A dragging session with the mesh of one layer; writes poses into the mesh.
-class LayerSession {
- public:
-  /// @throws EditError if there is nothing to edit in the mesh
-  LayerSession(const CMeshO& mesh, const lapedit::DragSession::Callbacks& callbacks);
-
-  lapedit::DragSession& session() { return session_; }
-  /// Of the layer's mesh. Normals, colours, flags and transforms need not match, since an edit does not depend on them.
-  lapedit::host::PoseWriter& writer() { return writer_; }
-
-  enum class Update {
-    Nothing,     ///< no vertex has moved
-    Passing,     ///< a pose in progress was written
-    Settled,     ///< an applied or undone step was written
-    MeshChanged  ///< other code changed the mesh; nothing was written
-  };
-  /// Writes the vertices that have moved since the last call into the layer's mesh.
-  Update update(CMeshO& mesh);
-
-  /// Returns the vertices that are selected in MeshLab, or are corners of selected faces.
-  std::vector<int> selected(const CMeshO& mesh) const {
-    return lapedit::united(lapedit::host::selected_vertices(mesh, coreVertex_),
-                           lapedit::host::vertices_of_selected_faces(mesh, coreVertex_));
-  }
-
-  QString inHistory;                    ///< the last edit in the document's history
-  int historyPosition = -1;             ///< where it was in the history; -1: it is appended
-  LaplacianDragTool* leftBy = nullptr;  ///< who left the session with a released drag to be solved; null: none
-
- private:
+/// A dragging session with the mesh of one layer.
+struct LayerSession {
+  /// @param bridged  the mesh, as read_mesh() returns it. @throws EditError if there is nothing to edit in it
   LayerSession(const CMeshO& mesh, const lapedit::host::BridgedMesh& bridged,
                const lapedit::DragSession::Callbacks& callbacks);
 
-  std::vector<int> coreVertex_;  // by numbers of MeshLab's mesh
-  lapedit::DragSession session_;
-  lapedit::host::PoseWriter writer_;
+  std::vector<int> coreVertex;  ///< by numbers of MeshLab's mesh
+  lapedit::DragSession session;
+  /// Of the layer's mesh. Normals, colours, flags and transforms need not match, since an edit does not depend on them.
+  lapedit::host::PoseWriter writer;
+  QString inHistory;                    ///< the last edit in the document's history
+  int historyPosition = -1;             ///< where it was in the history; -1: it is appended
+  LaplacianDragTool* leftBy = nullptr;  ///< who left the session with a released drag to be solved; null: none
 };
 
 /// Shared by the tools in one main window's views: the panel, and a session for each edited layer. One per main window,
@@ -75,7 +51,8 @@ class WindowSessions : public QObject {
   void begin(LaplacianDragTool& user, QObject* document, int layer);
   void end(LaplacianDragTool& user);  ///< no effect if it is not the current user
   /// Returns the sessions with LayerSession::leftBy, and their layers. @param user  null: of all users
-  std::vector<std::pair<LayerSession*, int>> left(const LaplacianDragTool* user = nullptr) const;
+  using Left = std::vector<std::pair<LayerSession*, int>>;
+  Left left(const LaplacianDragTool* user = nullptr) const;
   void pollSoon();  ///< as if a session had results
   bool isUsedBy(const LaplacianDragTool& user) const { return user_ == &user; }
 

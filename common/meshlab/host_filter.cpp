@@ -185,12 +185,14 @@ void name_layers(const FilterAction& filter, FilterScript& history) {
 }
 
 FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
-                         const QString& file, std::vector<DocumentLayer> layers, bool (*callback)(int, const char*)) {
+                         std::vector<DocumentLayer> layers, bool (*callback)(int, const char*)) {
   if (mesh == nullptr) {
     throw EditError(ErrorCause::EmptyMesh, "There are 0 layers: open a triangle mesh first.");
   }
   ParameterValues values;
-  values.layer_file = file.toStdString();
+  for (const DocumentLayer& layer : layers) {
+    values.layer_file = layer.mesh == mesh ? layer.file : values.layer_file;
+  }
   values.layers = std::move(layers);
   for (const Parameter& parameter : filter.parameters) {
     values.set(parameter.name, read_value(parameter, parameters.getParameterByName(parameter.name)));

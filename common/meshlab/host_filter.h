@@ -27,12 +27,11 @@ void name_layers(const FilterAction& filter, FilterScript& history);
 
 /// Runs a filter. The mesh is not changed if this throws.
 /// @param mesh      the current layer's, null if there is none
-/// @param file      that the layer was read from, may be empty
 /// @param layers    of the document
 /// @param callback  MeshLab's progress callback, may be null
 /// @throws EditError  also for values of the wrong type, for which MeshLab would stop at an assertion
 FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& parameters, CMeshO* mesh,
-                         const QString& file, std::vector<DocumentLayer> layers, bool (*callback)(int, const char*));
+                         std::vector<DocumentLayer> layers, bool (*callback)(int, const char*));
 
 /// Returns the message for the user of the exception that is being handled.
 QString sentence_of_current_exception();

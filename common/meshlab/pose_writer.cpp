@@ -23,14 +23,15 @@ bool same_bits(const Point3m& a, const Point3m& b) {
   return std::memcmp(a.V(), b.V(), sizeof(Scalarm) * 3) == 0;
 }
 
-void list_flagged(const std::vector<char>& flags, std::vector<int>& list) {
-  list.clear();
+std::vector<int> flagged(const std::vector<char>& flags) {
+  std::vector<int> list;
   list.reserve(static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1)));
   for (std::size_t i = 0; i < flags.size(); ++i) {
     if (flags[i]) {
       list.push_back(static_cast<int>(i));
     }
   }
+  return list;
 }
 
 }  // namespace
@@ -57,34 +58,27 @@ PoseWriter::PoseWriter(const CMeshO& host, const BridgedMesh& bridged, const Adj
     }
   }
   away_.reserve(now_.size());
-  is_touched_.assign(host_vertex_.size(), 0);
-  is_around_.assign(host_face_.size(), 0);
   position_.resize(host_face_.size());
 }
 
 void PoseWriter::find_affected(const std::vector<int>& vertices) {
   Affected& a = affected_;
-  for (const int v : a.touched) {
-    is_touched_[v] = 0;
-  }
-  for (const int f : a.around) {
-    is_around_[f] = 0;
-  }
+  std::vector<char> is_touched(host_vertex_.size(), 0), is_around(host_face_.size(), 0);
   a.vertices = vertices;
   for (const int v : vertices) {
-    is_touched_[v] = 1;
+    is_touched[v] = 1;
     for (const int w : adjacency_.neighbours[v]) {
-      is_touched_[w] = 1;
+      is_touched[w] = 1;
     }
   }
   // Access in ascending order is the fastest.
-  list_flagged(is_touched_, a.touched);
+  a.touched = flagged(is_touched);
   for (const int v : a.touched) {
     for (const int f : adjacency_.faces[v]) {
-      is_around_[f] = 1;
+      is_around[f] = 1;
     }
   }
-  list_flagged(is_around_, a.around);
+  a.around = flagged(is_around);
   for (std::size_t i = 0; i < a.around.size(); ++i) {
     position_[a.around[i]] = static_cast<int>(i);
   }

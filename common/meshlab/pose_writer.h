@@ -89,8 +89,7 @@ class PoseWriter {
   std::vector<Corner> now_;
   std::vector<int> away_;  // vertices that are away since the last settled pose
   Affected affected_;
-  std::vector<char> is_touched_, is_around_;  // per vertex and face: whether affected_ has it
-  std::vector<int> position_;                 // mesh face -> entry of affected_.around, if it is there
+  std::vector<int> position_;  // mesh face -> entry of affected_.around, if it is there
   ThreadPool pool_{0};
 };
 

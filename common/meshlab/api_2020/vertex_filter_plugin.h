@@ -40,13 +40,12 @@ class VertexFilterPlugin : public QObject, public MeshFilterInterface {
   bool applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
                    vcg::CallBackPos* callback) override {
     try {
-      // The overload for std::string, since the others take a printf format.
-      const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
       if (document.filterHistory != nullptr) {
         name_layers(filter(ID(action)), *document.filterHistory);
       }
+      // The overload for std::string, since the others take a printf format.
       Log(GLLogStream::FILTER,
-          run_filter(filter(ID(action)), parameters, current(document), file, layers(document), callback).log);
+          run_filter(filter(ID(action)), parameters, current(document), layers(document), callback).log);
       return true;
     } catch (...) {
       errorMessage = sentence_of_current_exception();

@@ -50,8 +50,7 @@ class VertexFilterPlugin : public QObject, public FilterPlugin {
                                               vcg::CallBackPos* callback) override {
     try {
       CMeshO* const mesh = document.mm() != nullptr ? &document.mm()->cm : nullptr;
-      const QString file = document.mm() != nullptr ? document.mm()->fullName() : QString();
-      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, file, layers(document), callback);
+      FilterOutcome outcome = run_filter(filter(ID(action)), parameters, mesh, layers(document), callback);
       // The overload for std::string, since the others take a printf format.
       log(GLLogStream::FILTER, outcome.log);
       if (has_chosen_layer(filter(ID(action)), parameters)) {

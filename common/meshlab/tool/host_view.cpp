@@ -4,7 +4,6 @@
 #include <meshlab/glarea.h>
 
 #include <QApplication>
-#include <QMainWindow>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -24,10 +23,6 @@ const char* const kReplay = "Laplacian Edit Replay";
 
 QWidget& HostView::viewport() {
   return *area_;
-}
-
-QMainWindow* HostView::mainWindow() {
-  return qobject_cast<QMainWindow*>(area_->window());
 }
 
 bool HostView::suspended() {

@@ -14,7 +14,6 @@ class FilterScript;
 class GLArea;
 class MeshModel;
 class MLSceneGLSharedDataContext;
-class QMainWindow;
 
 namespace lapedit::host {
 
@@ -39,7 +38,6 @@ class HostView {
   }
 
   QWidget& viewport();  ///< the OpenGL widget
-  QMainWindow* mainWindow();
   /// Returns the owner of the layers: ids are unique in it, and it signals its destruction. Null while there is none.
   QObject* document();
   std::optional<Layer> currentLayer();
