@@ -67,7 +67,7 @@ class Start(ToolTest):
 
     def test_few_inputs_are_shown(self):
         """At most 38, 18 of them in Basic, at rest and during a motion, when Apply and Cancel replace others."""
-        kinds = ("NumberBox", "QSpinBox", "QSlider", "QComboBox", "QCheckBox", "QPushButton", "QLineEdit", "QListWidget")
+        kinds = ("QDoubleSpinBox", "QSpinBox", "QSlider", "QComboBox", "QCheckBox", "QPushButton", "QLineEdit", "QListWidget")
 
         def shown(w):
             return {v["name"].removeprefix(part("")) for v in w.ask("widgets", inside=PANEL)["widgets"]

@@ -108,7 +108,7 @@ class Keyboard(ToolTest):
 
     def test_every_key_works_after_a_widget_of_each_kind(self):
         """One function makes all widgets of a kind; save opens a dialog, and help shows the keys."""
-        fields = {"NumberBox", "QLineEdit"}
+        fields = {"QDoubleSpinBox", "QLineEdit"}
         with self.start(self.mesh, disc=20) as w:
             w.x_focus()
             widgets = {v["name"]: v for v in w.ask("widgets", inside=PANEL)["widgets"] if v["name"].startswith(part(""))}
