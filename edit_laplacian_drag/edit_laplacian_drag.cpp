@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_laplacian_drag.h"
+// Includes GLEW, which has to precede all headers that include GL/gl.h.
+#include "edit_tool_plugin.h"
 
 #include "laplacian_drag_tool.h"
 
@@ -33,8 +34,16 @@ QAction* newAction() {
 
 }  // namespace
 
-EditLaplacianDrag::EditLaplacianDrag() : HostToolPlugin(newAction()) {}
+class EditLaplacianDrag : public HostToolPlugin {
+  Q_OBJECT
+  Q_PLUGIN_METADATA(IID LAPEDIT_EDIT_IID)
+  Q_INTERFACES(LAPEDIT_EDIT_INTERFACE)
 
-HostInterface* EditLaplacianDrag::newTool() {
-  return new ViewTool;
-}
+ public:
+  EditLaplacianDrag() : HostToolPlugin(newAction()) {}
+
+ private:
+  HostInterface* newTool() override { return new ViewTool; }
+};
+
+#include "edit_laplacian_drag.moc"

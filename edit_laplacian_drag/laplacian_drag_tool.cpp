@@ -292,11 +292,12 @@ LaplacianDragTool::Written LaplacianDragTool::write(LayerSession& known, int lay
   if (!change) {
     return Written::Nothing;
   }
-  if (!known.writer.write(*mesh, change->vertices, change->positions, change->settled)) {
+  const bool isSettled = change->settled;
+  if (!known.writer.write(*mesh, change->vertices, change->positions, isSettled)) {
     return Written::MeshChanged;
   }
   window_.uploadGeometry(layer);
-  if (change->settled) {
+  if (isSettled) {
     window_.markModified(layer);
   }
   return Written::Pose;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lapedit/session/drag_key.h"
-#include "surface_picture.h"
+#include "overlay.h"
 
 using namespace lapedit;
 

@@ -13,23 +13,10 @@
 using namespace lapedit;
 using namespace lapedit::host;
 
-void OtherLayers::read(const std::vector<Layer>& layers, int edited) {
-  std::string error;
-  try {
-    if (auto built = building_.take()) {
-      targets_ = std::move(*built);
-    }
-    return readChanged(layers, edited);
-  } catch (const std::bad_alloc&) {
-    error = "There is not enough memory to snap to the other layers: hide some, or switch snapping off.";
-  } catch (const std::exception& exception) {
-    error = exception.what();
+void OtherLayers::read(const std::vector<Layer>& layers, int edited) try {
+  if (auto built = building_.take()) {
+    targets_ = std::move(*built);
   }
-  targets_ = std::make_shared<const SnapTargets>(std::vector<TriangleMesh>());
-  throw std::runtime_error(error);
-}
-
-void OtherLayers::readChanged(const std::vector<Layer>& layers, int edited) {
   const auto own = std::find_if(layers.begin(), layers.end(), [edited](const Layer& l) { return l.id == edited; });
   if (own == layers.end()) {
     return;
@@ -66,6 +53,15 @@ void OtherLayers::readChanged(const std::vector<Layer>& layers, int edited) {
     }
     return std::make_shared<const SnapTargets>(std::move(usable));
   });
+} catch (const std::bad_alloc&) {
+  fail("There is not enough memory to snap to the other layers: hide some, or switch snapping off.");
+} catch (const std::exception& exception) {
+  fail(exception.what());
+}
+
+void OtherLayers::fail(const std::string& sentence) {
+  targets_ = std::make_shared<const SnapTargets>(std::vector<TriangleMesh>());
+  throw std::runtime_error(sentence);
 }
 
 void OtherLayers::forget() {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "lapedit/session/background_task.h"
@@ -25,7 +26,7 @@ class OtherLayers {
   void forget();
 
  private:
-  void readChanged(const std::vector<lapedit::host::Layer>& layers, int edited);
+  [[noreturn]] void fail(const std::string& sentence);
 
   std::vector<double> fingerprint_;
   std::shared_ptr<const lapedit::SnapTargets> targets_;

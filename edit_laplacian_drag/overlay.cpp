@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lapedit/base/whole_part.h"
-#include "pen.h"
 
 using namespace lapedit;
 
@@ -132,6 +131,16 @@ void arrow(const Picture& p, int axis, bool bright) {
     pen::shape(GL_TRIANGLES, head);
     pen::shape(GL_LINE_LOOP, head);
   });
+  if (p.gizmo.axes == Matrix3::Identity()) {  // the layer's: X, Y or Z, for users who cannot distinguish the colours
+    const std::vector<Vector2> letters[] = {{{-3, -4}, {3, 4}, {-3, 4}, {3, -4}},
+                                            {{-3, -4}, {0, 0}, {3, -4}, {0, 0}, {0, 0}, {0, 4}},
+                                            {{-3, -4}, {3, -4}, {3, -4}, {-3, 4}, {-3, 4}, {3, 4}}};
+    std::vector<Vector2> ends = letters[axis];
+    for (Vector2& end : ends) {
+      end += tip + 11 * direction;
+    }
+    pen::rimmed(pen::kLight, 1.3, [&] { pen::shape(GL_LINES, ends); });
+  }
 }
 
 /// Draws the half of a ring that is nearer to the viewer, or the other half.
@@ -178,22 +187,6 @@ void scaleHandle(const Picture& p, bool bright) {
   });
 }
 
-/// Draws X, Y or Z at an arrow's tip, for users who cannot distinguish the colours.
-void letter(const Picture& p, int axis) {
-  if (p.gizmo.axes != Matrix3::Identity()) {
-    return;  // not the layer's axes
-  }
-  const std::vector<Vector2> strokes[] = {{{-3, -4}, {3, 4}, {-3, 4}, {3, -4}},
-                                          {{-3, -4}, {0, 0}, {3, -4}, {0, 0}, {0, 0}, {0, 4}},
-                                          {{-3, -4}, {3, -4}, {3, -4}, {-3, 4}, {-3, 4}, {3, 4}}};
-  const Vector2 center = p.view.pixel(p.gizmo.center), tip = p.view.pixel(p.gizmo.along(axis, Gizmo::kTip));
-  std::vector<Vector2> ends = strokes[axis];
-  for (Vector2& end : ends) {
-    end += tip + 11 * (tip - center).stableNormalized();
-  }
-  pen::rimmed(pen::kLight, 1.3, [&] { pen::shape(GL_LINES, ends); });
-}
-
 /// Draws a gizmo, in pixels. @param element  under the cursor or held, highlighted
 /// @param alone  draws only that element, which the user drags
 void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement element, bool alone) {
@@ -207,9 +200,8 @@ void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement element, boo
   const auto shown = [&](GizmoElement first, int axis) { return !alone || is(first, axis); };
   for (const bool front : {false, true}) {
     for (int axis = 0; axis < 3; ++axis) {
-      const bool held = is(GizmoElement::TurnX, axis);
       if (shown(GizmoElement::TurnX, axis) && (alone || gizmo.ring_is_seen(axis, view))) {
-        ring(p, axis, front, held);
+        ring(p, axis, front, is(GizmoElement::TurnX, axis));
       }
     }
     // Arrows that point away are behind the rings' near halves.
@@ -217,7 +209,6 @@ void drawGizmo(const Gizmo& gizmo, const Camera& view, GizmoElement element, boo
       const bool towards = gizmo.axes.col(axis).dot(view.toward_viewer(gizmo.center)) > 0;
       if (shown(GizmoElement::MoveX, axis) && towards == front && gizmo.arrow_is_seen(axis, view)) {
         arrow(p, axis, is(GizmoElement::MoveX, axis));
-        letter(p, axis);
       }
     }
   }
@@ -259,8 +250,6 @@ void drawTurn(const DragMotion& motion, const Camera& view) {
 
 // --- The preview of a press -----------------------------------------------------------------------------------------
 
-constexpr double kAbove = 0.9993;  // end of the depth range of lines, so that they are in front of the surface
-
 void lines(GLenum mode, const Points& ends) {
   glEnableClientState(GL_VERTEX_ARRAY);
   glVertexPointer(3, GL_DOUBLE, 0, ends.data());
@@ -277,13 +266,13 @@ void tangentCircle(const HoverPreview& preview, double radius) {
 }
 
 void dot(const Vector3& position, double size, double alpha = 0.8) {
-  pen::dots(pen::kYellow, size, alpha, [&] { pen::shape(GL_POINTS, std::initializer_list<Vector3>{position}); });
+  pen::dots(pen::kYellow, size, alpha, true, [&] { pen::shape(GL_POINTS, std::initializer_list<Vector3>{position}); });
 }
 
 /// Draws outlines of what a press would pick on the surface; SurfacePicture highlights groups.
 void drawHover(const HoverPreview& preview) {
   if (preview.path.rows() > 1) {  // the piece of the curve that a click would add
-    glDepthRange(0, kAbove);
+    glDepthRange(0, pen::kAbove);
     pen::rimmed(pen::kYellow, 2, [&] { lines(GL_LINE_STRIP, preview.path); });
     glDepthRange(0, 1);
   }
@@ -296,30 +285,24 @@ void drawHover(const HoverPreview& preview) {
   }
   const auto draw = [&preview](const Outlines& outlines, const Vector3& middle, double alpha, bool flat) {
     if (preview.kind == Kind::Region) {
-      pen::rimmed(
-          pen::kLight, 1.2,
-          [&] {
-            lines(GL_LINES, outlines.region);
-            if (flat) {
-              tangentCircle(preview, preview.radius);
-            }
-          },
-          alpha);
+      pen::rimmed(pen::kLight, 1.2, alpha, [&] {
+        lines(GL_LINES, outlines.region);
+        if (flat) {
+          tangentCircle(preview, preview.radius);
+        }
+      });
     }
     if (preview.disc_radius == 0) {
       return dot(middle, 7, std::min(alpha, 0.8));
     }
-    pen::rimmed(
-        pen::kYellow, 2,
-        [&] {
-          lines(GL_LINES, outlines.disc);
-          if (flat && outlines.disc.rows() == 0) {
-            tangentCircle(preview, preview.disc_radius);
-          }
-        },
-        alpha);
+    pen::rimmed(pen::kYellow, 2, alpha, [&] {
+      lines(GL_LINES, outlines.disc);
+      if (flat && outlines.disc.rows() == 0) {
+        tangentCircle(preview, preview.disc_radius);
+      }
+    });
   };
-  glDepthRange(0, kAbove);
+  glDepthRange(0, pen::kAbove);
   if (preview.mirrored_point) {
     draw(preview.mirrored, *preview.mirrored_point, 0.45, false);
   }
@@ -351,8 +334,7 @@ void Overlay::drawPlane(const DragSession& session) {
                              center - sides[0] + sides[1]};
   pen::set(pen::kPurple, 0.12);
   pen::shape(GL_QUADS, corners);
-  pen::rimmed(
-      pen::kPurple, 1, [&] { pen::shape(GL_LINE_LOOP, corners); }, 0.6);
+  pen::rimmed(pen::kPurple, 1, 0.6, [&] { pen::shape(GL_LINE_LOOP, corners); });
 }
 
 void Overlay::drawGizmoOf(const DragSession& session, const Camera& view) {
@@ -379,7 +361,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   beginFlat();
   glMatrixMode(GL_MODELVIEW);
   glMultMatrixd(options.transform.data());
-  pen::pixelRatio = options.pixelRatio;
+  pen::pixelRatio = options.viewport.devicePixelRatioF();
   const HoverPreview* const hover = session.motion() ? nullptr : session.hover();
   const bool onGroup = hover && hover->kind == HoverPreview::Kind::Group;
   if (session.selection().next != Selection::Next::Region) {
@@ -399,7 +381,7 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
     }
   }
   if (view.valid()) {
-    toPixels(options.width, options.height);
+    toPixels(options.viewport.width(), options.viewport.height());
     if (session.lasso() != nullptr) {
       pen::rimmed(brushColor(session), 1.5, [&] { pen::shape(GL_LINE_LOOP, *session.lasso()); });
     } else if (options.brush) {

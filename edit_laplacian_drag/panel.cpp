@@ -324,9 +324,9 @@ void Panel::follow(Widget* box, const Access& access, void (Widget::*changed)(Va
   });
 }
 
-QDoubleSpinBox* Panel::number(const char* part, double low, double high, int digits, const QString& help,
-                              const Access& access) {
-  QDoubleSpinBox* const box = prepared<NumberBox>(part, help);
+QDoubleSpinBox* Panel::number(const char* part, const QString& title, double low, double high, int digits,
+                              const QString& help, const Access& access) {
+  QDoubleSpinBox* const box = field<NumberBox>(part, title, help);
   box->setLocale(QLocale::c());
   box->setDecimals(digits);
   box->setRange(low, high);
@@ -335,21 +335,22 @@ QDoubleSpinBox* Panel::number(const char* part, double low, double high, int dig
   return box;
 }
 
-QDoubleSpinBox* Panel::percent(const char* part, int high, const QString& help, const Access& access) {
-  QDoubleSpinBox* const box = number(part, 0, high, 1, help, access);
+QDoubleSpinBox* Panel::percent(const char* part, const QString& title, int high, const QString& help,
+                               const Access& access) {
+  QDoubleSpinBox* const box = number(part, title, 0, high, 1, help, access);
   box->setSuffix(tr(" %"));
   return box;
 }
 
-QDoubleSpinBox* Panel::length(const char* part, const QString& help, const Access& access) {
-  lengths_.push_back(number(part, 0, kLongest, 4, help, access));
+QDoubleSpinBox* Panel::length(const char* part, const QString& title, const QString& help, const Access& access) {
+  lengths_.push_back(number(part, title, 0, kLongest, 4, help, access));
   return lengths_.back();
 }
 
-QSlider* Panel::slider(const char* part, int high, const QString& help,
+QSlider* Panel::slider(const char* part, const QString& title, int high, const QString& help,
                        const std::function<double(const DragSession&)>& get,
                        const std::function<void(DragSession&, double, bool)>& set) {
-  auto* const made = prepared<QSlider>(part, help);
+  auto* const made = field<QSlider>(part, title, help);
   made->setOrientation(Qt::Horizontal);
   made->setRange(0, high);
   const auto go = [this, made, set] {
@@ -368,23 +369,25 @@ QSlider* Panel::slider(const char* part, int high, const QString& help,
   return made;
 }
 
-QComboBox* Panel::choice(const char* part, const QStringList& choices, const QString& help, const Access& access) {
-  auto* const box = prepared<QComboBox>(part, help);
+QComboBox* Panel::choice(const char* part, const QString& title, const QStringList& choices, const QString& help,
+                         const Access& access) {
+  auto* const box = field<QComboBox>(part, title, help);
   box->addItems(choices);
   follow(box, access, QOverload<int>::of(&QComboBox::activated), &QComboBox::setCurrentIndex);
   return box;
 }
 
 QCheckBox* Panel::check(const char* part, const QString& text, const QString& help, const Access& access) {
-  auto* const box = prepared<QCheckBox>(part, help);
-  box->setText(text);
+  auto* const box = new QCheckBox(text);
+  prepare(*box, part, help);
   follow<QAbstractButton, bool>(box, access, &QAbstractButton::clicked, &QAbstractButton::setChecked);
   form_->addRow(box);
   return box;
 }
 
-QPushButton* Panel::resetButton() {
-  auto* const made = prepared<QPushButton>("defaults", tr("All settings of the panel, as they were at first"));
+void Panel::resetButton() {
+  auto* const made =
+      field<QPushButton>("defaults", tr("Settings"), tr("All settings of the panel, as they were at first"));
   made->setText(tr("Reset all"));
   connect(made, &QPushButton::clicked, this, [this] {
     change([settings = defaults_](DragSession& session) mutable {
@@ -394,7 +397,6 @@ QPushButton* Panel::resetButton() {
       session.set(&Tools::axes, GizmoAxes::Layer);
     });
   });
-  return made;
 }
 
 QPushButton* Panel::button(const char* part, const QString& text, const QString& help, std::optional<DragKey> key) {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "lapedit/session/drag_session.h"
-#include "surface_picture.h"
+#include "overlay.h"
 
 class QCheckBox;
 class QComboBox;
@@ -98,24 +98,27 @@ class Panel : public QDockWidget {
 
   /// Names a field, explains it, and sets when it takes the keyboard.
   void prepare(QWidget& box, const char* part, const QString& help);
+  /// Makes a row of the current group, as the functions after it.
   template <class Widget>
-  Widget* prepared(const char* part, const QString& help) {
+  Widget* field(const char* part, const QString& title, const QString& help) {
     auto* const box = new Widget;
     prepare(*box, part, help);
+    row(title, box);
     return box;
   }
-  QDoubleSpinBox* number(const char* part, double low, double high, int digits, const QString& help,
-                         const Access& access);
-  QDoubleSpinBox* percent(const char* part, int high, const QString& help, const Access& access);
-  QDoubleSpinBox* length(const char* part, const QString& help, const Access& access);
+  QDoubleSpinBox* number(const char* part, const QString& title, double low, double high, int digits,
+                         const QString& help, const Access& access);
+  QDoubleSpinBox* percent(const char* part, const QString& title, int high, const QString& help, const Access& access);
+  QDoubleSpinBox* length(const char* part, const QString& title, const QString& help, const Access& access);
   /// Makes a slider of percents. @param set  called with the value while the slider is moved (passing), and at its
   /// release
-  QSlider* slider(const char* part, int high, const QString& help,
+  QSlider* slider(const char* part, const QString& title, int high, const QString& help,
                   const std::function<double(const lapedit::DragSession&)>& get,
                   const std::function<void(lapedit::DragSession&, double, bool passing)>& set);
   QCheckBox* check(const char* part, const QString& text, const QString& help, const Access& access);
-  QPushButton* resetButton();
-  QComboBox* choice(const char* part, const QStringList& choices, const QString& help, const Access& access);
+  void resetButton();
+  QComboBox* choice(const char* part, const QString& title, const QStringList& choices, const QString& help,
+                    const Access& access);
   QPushButton* button(const char* part, const QString& text, const QString& help,
                       std::optional<lapedit::DragKey> key = {});
   /// Connects the widget: input changes the session, and show() displays its value.

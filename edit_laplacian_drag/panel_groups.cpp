@@ -87,12 +87,12 @@ Panel::Access Panel::access() {
 
 void Panel::addBasic() {
   begin("basic", tr("Basic"), tr("Settings that most edits need"), true);
-  row(tr("Radius"),
-      length("radius", tr("Size of a new region, along the surface (wheel)"), access<&DragSettings::radius>()));
-  row(tr("Handle size"), percent("handle_fraction", static_cast<int>(100 * kLargestHandleFraction),
-                                 tr("Radius of the disc that a press takes, in percent of the region's radius "
-                                    "(Shift+wheel); 0: the vertex under the cursor alone"),
-                                 access<&DragSettings::handle_fraction, 100>()));
+  length("radius", tr("Radius"), tr("Size of a new region, along the surface (wheel)"),
+         access<&DragSettings::radius>());
+  percent("handle_fraction", tr("Handle size"), static_cast<int>(100 * kLargestHandleFraction),
+          tr("Radius of the disc that a press takes, in percent of the region's radius "
+             "(Shift+wheel); 0: the vertex under the cursor alone"),
+          access<&DragSettings::handle_fraction, 100>());
   addDetail();
   check(
       "automatic", tr("Automatic sizes"),
@@ -105,7 +105,7 @@ void Panel::addBasic() {
                  }));
   addPieces();
   auto* const click = choice(
-      "mode", {tr("Disc or vertex"), tr("Curve"), tr("Another handle"), tr("New region")},
+      "mode", tr("Click takes"), {tr("Disc or vertex"), tr("Curve"), tr("Another handle"), tr("New region")},
       tr("What a click takes: a disc or vertex, a curve of shortest paths (C), a handle besides the others, which hold "
          "(G), or a new region (W)"),
       {[](const DragSession& session) {
@@ -124,16 +124,13 @@ void Panel::addBasic() {
        }});
   click->setItemIcon(0, icon("disc"));
   click->setItemIcon(1, icon("curve"));
-  row(tr("Click takes"), click);
-  row(tr("Settings"), resetButton());
-  row(tr("Turn about"),
-      choice(
-          "pivot", {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
-          tr("The point that turning and scaling go about (P): the middle of the handle, the middle of the region's "
-             "edge, as the shoulder of an arm, or a point that the next click picks. With the last two a drag of the "
-             "handle turns it; Shift moves it"),
-          {[](const DragSession& session) { return static_cast<int>(session.tools().pivot); },
-           [](DragSession& session, int index) { session.set(&Tools::pivot, static_cast<Pivot>(index)); }}));
+  resetButton();
+  choice("pivot", tr("Turn about"), {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
+         tr("The point that turning and scaling go about (P): the middle of the handle, the middle of the region's "
+            "edge, as the shoulder of an arm, or a point that the next click picks. With the last two a drag of the "
+            "handle turns it; Shift moves it"),
+         {[](const DragSession& session) { return static_cast<int>(session.tools().pivot); },
+          [](DragSession& session, int index) { session.set(&Tools::pivot, static_cast<Pivot>(index)); }});
   addMirror();
   const Access gizmo = {
       [](const DragSession& session) { return session.tools().gizmo ? 1 + static_cast<int>(session.tools().axes) : 0; },
@@ -141,9 +138,8 @@ void Panel::addBasic() {
         session.set(&Tools::gizmo, index > 0);
         session.set(&Tools::axes, static_cast<GizmoAxes>(std::max(index - 1, 0)));
       }};
-  row(tr("Gizmo"),
-      choice("gizmo", {tr("Hidden"), tr("Axes of the layer"), tr("Axes of the view"), tr("Along the normal")},
-             tr("Arrows move along an axis, rings turn about it, the scale handle scales (V)"), gizmo));
+  choice("gizmo", tr("Gizmo"), {tr("Hidden"), tr("Axes of the layer"), tr("Axes of the view"), tr("Along the normal")},
+         tr("Arrows move along an axis, rings turn about it, the scale handle scales (V)"), gizmo);
   remember("gizmo", 3, gizmo);
   buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)"), DragKey::Translate),
            button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)"), DragKey::Rotate),
@@ -172,8 +168,8 @@ void Panel::addBasic() {
 }
 
 void Panel::addDetail() {
-  auto* const detail = slider(
-      "detail", 200,
+  slider(
+      "detail", {}, 200,
       tr("How much of the detail remains in the region: 0 removes dents and bumps, 100 % keeps them, 200 % "
          "doubles them. "
          "Needs no drag: press on the dent, or paint it, then move this"),
@@ -183,7 +179,6 @@ void Panel::addDetail() {
         settings.edit.detail = detail;
         session.set_settings(settings, passing);
       });
-  row({}, detail);
   shown_.push_back([title = titles_.back()](const DragSession& session) {
     title->setText(tr("Detail %1 %").arg(std::round(100 * session.settings().edit.detail)));
   });
@@ -209,21 +204,20 @@ void Panel::addMirror() {
     }
   }
   choices += tr("Found from the mesh");
-  row(tr("Mirror"),
-      choice("mirror", choices, tr("The plane of the layer across which every step is mirrored"),
-             {[this](const DragSession& session) {
-                int index = 0;
-                while (session.tools().mirror && index++ < kPlanes && !(session.tools().mirror == plane(index - 1))) {
-                }
-                return index;
-              },
-              [this](DragSession& session, int index) {
-                if (index > kPlanes) {
-                  session.find_mirror();
-                } else {
-                  session.set(&Tools::mirror, index == 0 ? std::nullopt : std::optional(plane(index - 1)));
-                }
-              }}));
+  choice("mirror", tr("Mirror"), choices, tr("The plane of the layer across which every step is mirrored"),
+         {[this](const DragSession& session) {
+            int index = 0;
+            while (session.tools().mirror && index++ < kPlanes && !(session.tools().mirror == plane(index - 1))) {
+            }
+            return index;
+          },
+          [this](DragSession& session, int index) {
+            if (index > kPlanes) {
+              session.find_mirror();
+            } else {
+              session.set(&Tools::mirror, index == 0 ? std::nullopt : std::optional(plane(index - 1)));
+            }
+          }});
 }
 
 MirrorPlane Panel::plane(int index) const {
@@ -232,22 +226,19 @@ MirrorPlane Panel::plane(int index) const {
 
 void Panel::addPaint() {
   begin("paint", tr("Paint"), tr("The region, the handle, or vertices that stay where they are"));
-  row(tr("Paint"),
-      choice("brush_target", {tr("Off"), tr("Region"), tr("Handle"), tr("Fixed")},
-             tr("What a drag paints more of, and Shift+drag less, until Esc (B); fixed vertices hold in all "
-                "regions. Off: Ctrl+drag and Shift+drag paint the region"),
-             {[](const DragSession& session) {
-                return session.tools().paint ? 1 + static_cast<int>(*session.tools().paint) : 0;
-              },
-              [](DragSession& session, int index) {
-                session.set(&Tools::paint,
-                            index > 0 ? std::optional(static_cast<BrushTarget>(index - 1)) : std::nullopt);
-              }}));
-  auto* brush =
-      number("brush", 1, 1000, 0, tr("Radius of the brush on the screen"), access<&DragSettings::brush_pixels>());
+  choice("brush_target", tr("Paint"), {tr("Off"), tr("Region"), tr("Handle"), tr("Fixed")},
+         tr("What a drag paints more of, and Shift+drag less, until Esc (B); fixed vertices hold in all "
+            "regions. Off: Ctrl+drag and Shift+drag paint the region"),
+         {[](const DragSession& session) {
+            return session.tools().paint ? 1 + static_cast<int>(*session.tools().paint) : 0;
+          },
+          [](DragSession& session, int index) {
+            session.set(&Tools::paint, index > 0 ? std::optional(static_cast<BrushTarget>(index - 1)) : std::nullopt);
+          }});
+  auto* brush = number("brush", tr("Brush size"), 1, 1000, 0, tr("Radius of the brush on the screen"),
+                       access<&DragSettings::brush_pixels>());
   brush->setSuffix(tr(" pixels"));
   remember("brush", brush->maximum(), access<&DragSettings::brush_pixels>());
-  row(tr("Brush size"), brush);
   buttons({button("invert", tr("Invert"), tr("Swaps painted and unpainted vertices")),
            button("blur", tr("Blur"), tr("Makes the outline of what is painted smoother")),
            button("clear", tr("Clear"),
@@ -262,26 +253,23 @@ void Panel::addRegion() {
   buttons({button("grow", tr("Grow"), tr("Makes the region larger by a ring ( ] )"), DragKey::Grow),
            button("shrink", tr("Shrink"), tr("Makes the region smaller by a ring ( [ )"), DragKey::Shrink),
            button("component", tr("Component"), tr("The region is the whole connected piece of the handle"))});
-  row(tr("Falloff"),
-      choice("falloff", {tr("Even"), tr("Sharp"), tr("Smooth"), tr("Dome")},
-             tr("How the handle's disc fades out from its middle to its boundary"), access<&DragSettings::falloff>()));
+  choice("falloff", tr("Falloff"), {tr("Even"), tr("Sharp"), tr("Smooth"), tr("Dome")},
+         tr("How the handle's disc fades out from its middle to its boundary"), access<&DragSettings::falloff>());
   remember("falloff", double(Falloff::Dome), access<&DragSettings::falloff>());
-  row(tr("Snap to"),
-      choice("snap", {tr("Off"), tr("Other layers")},
-             tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor"),
-             {[](const DragSession& session) { return session.tools().snaps ? 1 : 0; },
-              [](DragSession& session, int index) { session.set(&Tools::snaps, index == 1); }}));
-  row(tr("Width of the edge"), percent("padding", 100,
-                                       tr("Width of the band inside the region's edge that stays, in percent of its "
-                                          "radius (Ctrl+Shift+wheel)"),
-                                       access<&DragSettings::padding, 100>()));
+  choice("snap", tr("Snap to"), {tr("Off"), tr("Other layers")},
+         tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor"),
+         {[](const DragSession& session) { return session.tools().snaps ? 1 : 0; },
+          [](DragSession& session, int index) { session.set(&Tools::snaps, index == 1); }});
+  percent("padding", tr("Width of the edge"), 100,
+          tr("Width of the band inside the region's edge that stays, in percent of its "
+             "radius (Ctrl+Shift+wheel)"),
+          access<&DragSettings::padding, 100>());
   remember("padding", 100, access<&DragSettings::padding, 100>());
-  auto* gap = length("connect_gap",
+  auto* gap = length("connect_gap", tr("Connect within"),
                      tr("Pieces of the surface, or its borders, that are nearer to each other than this keep their "
                         "distance, such as eyes in a head, or a seam that is open; 0: off"),
                      access<&DragSettings::connect_gap>());
   gap->setSpecialValueText(tr("off"));
-  row(tr("Connect within"), gap);
 }
 
 void Panel::addAdvanced() {
@@ -293,14 +281,14 @@ void Panel::addAdvanced() {
     if (QString(setting.key) == "method") {
       QStringList names;
       std::transform(setting.choices.begin(), setting.choices.end(), std::back_inserter(names), titleOf);
-      row(titleOf(setting.key), choice(setting.key, names, tip(setting.help), access));
+      choice(setting.key, titleOf(setting.key), names, tip(setting.help), access);
     } else if (setting.kind == Setting::Kind::Switch) {
       auto* const box = check(setting.key, titleOf(setting.subject), tip(setting.help), access);
       shown_.push_back([box, &setting](const DragSession& session) {
         box->setVisible(setting.applies(session.settings().edit.method));
       });
     } else if (QString(setting.key) == "membrane") {
-      row(tr("Keep lengths"), number(setting.key, setting.low, setting.high, 6, tip(setting.help), access));
+      number(setting.key, tr("Keep lengths"), setting.low, setting.high, 6, tip(setting.help), access);
     } else {
       continue;
     }
@@ -311,10 +299,9 @@ void Panel::addAdvanced() {
 void Panel::addLastStep() {
   begin("last_step", tr("Last step and history"),
         tr("The last step, which can be changed until something else is picked, and all that was done"));
-  auto* const value =
-      prepared<QLineEdit>("last_value", tr("What the last step did: a displacement along X, Y and Z of the "
-                                           "layer, degrees about the axis, or a factor"));
-  row(tr("Moved"), value);
+  auto* const value = field<QLineEdit>("last_value", tr("Moved"),
+                                       tr("What the last step did: a displacement along X, Y and Z of the "
+                                          "layer, degrees about the axis, or a factor"));
   connect(value, &QLineEdit::editingFinished, this, [this, value] {
     if (value->text() == value->property(kValue).toString()) {
       return;
@@ -339,7 +326,7 @@ void Panel::addLastStep() {
     }
   });
   auto* const fraction = slider(
-      "last_fraction", 100, tr("Fraction of the path: 0 to 100 percent"),
+      "last_fraction", tr("Fraction"), 100, tr("Fraction of the path: 0 to 100 percent"),
       [](const DragSession& session) { return session.last_step().value_or(LastStep()).fraction; },
       [](DragSession& session, double part, bool passing) {
         if (const std::optional<LastStep> last = session.last_step()) {
@@ -347,7 +334,6 @@ void Panel::addLastStep() {
         }
       });
   shown_.push_back([fraction](const DragSession& session) { fraction->setEnabled(session.last_step().has_value()); });
-  row(tr("Fraction"), fraction);
   addHistory();
 }
 
@@ -385,12 +371,11 @@ void Panel::showHistory(const Timeline& timeline) {
 
 void Panel::addView() {
   begin("statistics", tr("View and figures"), tr("Colours over the surface, counts and quality"));
-  colours_ =
-      prepared<QComboBox>("colours", tr("What the colours over the surface show; H hides them: with no colours, or "
-                                        "with none during a drag, the shading of the surface is seen"));
+  colours_ = field<QComboBox>("colours", tr("Colours"),
+                              tr("What the colours over the surface show; H hides them: with no colours, or "
+                                 "with none during a drag, the shading of the surface is seen"));
   colours_->addItems({tr("Region"), tr("Region, not in a drag"), tr("Stretch"), tr("None")});
   connect(colours_, QOverload<int>::of(&QComboBox::activated), this, [this] { change([](DragSession&) {}); });
-  row(tr("Colours"), colours_);
   const std::tuple<QLabel*, const char*, QString> figures[] = {
       {region_, "region", tr("Vertices of the region by class, and of the mesh outside it")},
       {quality_, "quality",

@@ -12,6 +12,9 @@
 /// pixels of the view.
 namespace pen {
 
+/// End of the depth range of lines and points, so that the surface does not hide half of them.
+constexpr double kAbove = 0.9993;
+
 /// Device pixels per pixel of the view that is being drawn.
 inline double pixelRatio = 1;
 
@@ -91,7 +94,7 @@ inline void setSize(double size) {
 
 /// Draws lines with a rim, then again without; calls draw() twice.
 template <class Draw>
-void rimmed(const Color& color, double width, const Draw& draw, double alpha = 1) {
+void rimmed(const Color& color, double width, double alpha, const Draw& draw) {
   for (const bool rim : {true, false}) {
     setWidth(rim ? width + 2 : width);
     set(rim ? kDark : color, rim ? 0.75 * alpha : alpha);
@@ -99,9 +102,14 @@ void rimmed(const Color& color, double width, const Draw& draw, double alpha = 1
   }
 }
 
+template <class Draw>
+void rimmed(const Color& color, double width, const Draw& draw) {
+  rimmed(color, width, 1, draw);
+}
+
 /// Draws points; calls draw() twice if they have a rim.
 template <class Draw>
-void dots(const Color& color, double size, double alpha, const Draw& draw, bool rimmed = true) {
+void dots(const Color& color, double size, double alpha, bool rimmed, const Draw& draw) {
   for (const bool rim : {true, false}) {
     if (!rim || rimmed) {
       setSize(rim ? size + 3 : size);

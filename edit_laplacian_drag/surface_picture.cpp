@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface_picture.h"
+#include "overlay.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "lapedit/mesh/vertex_set.h"
-#include "pen.h"
 
 using namespace lapedit;
 
 namespace {
 
 constexpr unsigned kNone = ~0U;
-/// End of the depth range of lines and points, so that the surface does not hide half of them.
-constexpr double kShift = 0.9993;
 constexpr std::size_t kMostMovingFaces = 12000;
 
 /// Returns the stipple of diagonal lines, eight pixels apart.
@@ -59,11 +56,12 @@ void faces(const std::vector<unsigned>& corners, const pen::Color& color, double
     glDisable(GL_POLYGON_STIPPLE);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
-  glDepthRange(0, kShift);
+  glDepthRange(0, pen::kAbove);
 }
 
 /// Draws lines. Fills the joints of wide lines if they are opaque; in other lines the fillings would be visible.
-void drawChains(const Chains& chains, double width, bool opaque = true) {
+void drawChains(const Chains& chains, const pen::Color& color, double width, double alpha = 1, bool opaque = true) {
+  pen::set(color, alpha);
   pen::setWidth(width);
   const unsigned* at = chains.vertices.data();
   for (const int length : chains.lengths) {
@@ -78,10 +76,8 @@ void drawChains(const Chains& chains, double width, bool opaque = true) {
 
 void points(const std::vector<unsigned>& indices, const pen::Color& color, double size, double alpha,
             bool rimmed = true) {
-  pen::dots(
-      color, size, alpha,
-      [&] { glDrawElements(GL_POINTS, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data()); },
-      rimmed);
+  pen::dots(color, size, alpha, rimmed,
+            [&] { glDrawElements(GL_POINTS, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data()); });
 }
 
 }  // namespace
@@ -122,10 +118,12 @@ bool SurfacePicture::isListed(const DragSession& session) const {
          labelled_[groups.size()] == session.unconnected() && labelled_.back() == session.selection().held;
 }
 
-/// Sorts vertices and faces into the lists that draw() uses. O(region + handles).
+/// Sorts vertices and faces into the lists that draw() uses. O(mesh).
 void SurfacePicture::list(const DragSession& session) {
   const Region* const region = session.shown().region().get();
   regionSerial_ = session.shown().region_serial();
+  poseSerial_ = -1;
+  stretch_ = nullptr;
   labelled_ = session.mirrored_groups();
   labelled_.push_back(session.unconnected());
   labelled_.push_back(session.selection().held);
@@ -136,15 +134,17 @@ void SurfacePicture::list(const DragSession& session) {
   outside_ = without(sorted_set(std::move(outside_)), region ? region->mesh_vertex : std::vector<int>());
 
   // A vertex of a handle has the handle's label.
-  std::vector<int> labels((region ? region->size() : 0) + outside_.size(), -1);
+  std::vector<int> labels(static_cast<std::size_t>(session.mesh().vertices.rows()), -1);
   for (std::size_t label = labelled_.size(); label-- > 0;) {
     for (const int v : labelled_[label]) {
-      labels[number(region, v)] = static_cast<int>(label);
+      labels[v] = static_cast<int>(label);
     }
   }
   patches_.assign(labelled_.size(), {});
-  sortFaces(session, labels);
-  findLoose(session, labels);
+  listRegion(region, labels);
+  for (std::size_t g = 0; g < patches_.size(); ++g) {
+    listGroup(session, static_cast<int>(g), labels);
+  }
   for (std::size_t g = 0; g < session.selection().groups.size(); ++g) {
     const HandleCurve& curve = session.selection().discs.curves[g];
     for (std::size_t k = 0; curve.bends() && k < curve.points.size(); ++k) {
@@ -153,69 +153,59 @@ void SurfacePicture::list(const DragSession& session) {
   }
 }
 
-/// Assigns each face to its group, to the anchors or to the free vertices, and finds the outlines.
-void SurfacePicture::sortFaces(const DragSession& session, const std::vector<int>& labels) {
-  const Region* const region = session.shown().region().get();
+/// Assigns the faces that no group has to the anchors or to the free vertices, and finds the outlines.
+void SurfacePicture::listRegion(const Region* region, const std::vector<int>& labels) {
   free_ = band_ = Patch();
   std::vector<unsigned> inside, within;  // corners of all faces; of those that are not in the band
   for (Eigen::Index f = 0; region && f < region->faces.rows(); ++f) {
     const int* const corners = region->faces.row(f).data();
-    const int label = labels[corners[0]];
-    const bool ofGroup = label >= 0 && labels[corners[1]] == label && labels[corners[2]] == label;
+    const auto label = [&](int k) { return labels[region->mesh_vertex[corners[k]]]; };
+    const bool ofGroup = label(0) >= 0 && label(1) == label(0) && label(2) == label(0);
     const bool ofBand =
         !ofGroup && std::any_of(corners, corners + 3, [&](int i) { return region->classes[i] == VertexClass::Anchor; });
-    std::vector<unsigned>& faces = ofGroup ? patches_[label].faces : ofBand ? band_.faces : free_.faces;
-    faces.insert(faces.end(), corners, corners + 3);
     inside.insert(inside.end(), corners, corners + 3);
     if (!ofBand) {
       within.insert(within.end(), corners, corners + 3);
     }
+    if (!ofGroup) {
+      std::vector<unsigned>& faces = ofBand ? band_.faces : free_.faces;
+      faces.insert(faces.end(), corners, corners + 3);
+    }
   }
   rim_ = border_of(inside);
   free_.border = band_.faces.empty() ? Chains() : border_of(within);
-  // Add faces with a corner outside the region, each once: at its lowest corner outside.
-  for (const int v : outside_) {
-    const unsigned i = number(region, v);
-    for (const int f : session.adjacency().faces[v]) {
-      unsigned corners[3];
-      bool mine = labels[i] >= 0;
-      for (int k = 0; k < 3; ++k) {
-        corners[k] = number(region, session.mesh().faces(f, k));
-        mine = mine && corners[k] != kNone && labels[corners[k]] == labels[i] &&
-               (corners[k] >= i || (region && corners[k] < static_cast<unsigned>(region->size())));
-      }
-      if (mine) {
-        patches_[labels[i]].faces.insert(patches_[labels[i]].faces.end(), corners, corners + 3);
-      }
-    }
-  }
-  for (Patch& patch : patches_) {
-    patch.border = border_of(patch.faces);
-  }
 }
 
-/// Finds single vertices and curves, which have no faces.
-void SurfacePicture::findLoose(const DragSession& session, const std::vector<int>& labels) {
-  std::vector<char> inFace(labels.size(), 0);
-  for (const Patch& patch : patches_) {
-    for (const unsigned i : patch.faces) {
-      inFace[i] = 1;
+/// Lists the faces of a group, and single vertices and curves, which have no faces.
+void SurfacePicture::listGroup(const DragSession& session, int group, const std::vector<int>& labels) {
+  const Region* const region = session.shown().region().get();
+  const Adjacency& adjacency = session.adjacency();
+  const Faces& faces = session.mesh().faces;
+  const auto isOfGroup = [&](int f) {
+    return labels[faces(f, 0)] == group && labels[faces(f, 1)] == group && labels[faces(f, 2)] == group;
+  };
+  const auto hasFace = [&](int v) {
+    const CompressedRows::Row around = adjacency.faces[v];
+    return std::any_of(around.begin(), around.end(), isOfGroup);
+  };
+  Patch& patch = patches_[static_cast<std::size_t>(group)];
+  for (const int v : labelled_[static_cast<std::size_t>(group)]) {
+    for (const int f : adjacency.faces[v]) {
+      for (int k = 0; k < 3 && isOfGroup(f) && faces.row(f).minCoeff() == v; ++k) {
+        patch.faces.push_back(number(region, faces(f, k)));
+      }
     }
   }
-  for (std::size_t g = 0; g < patches_.size(); ++g) {
-    Patch& patch = patches_[g];
-    for (const int v : labelled_[g]) {
-      const unsigned i = number(session.shown().region().get(), v);
-      if (inFace[i] || labels[i] != static_cast<int>(g)) {
-        continue;
-      }
-      patch.loose.push_back(i);
-      for (const int w : session.adjacency().neighbours[v]) {
-        const unsigned j = number(session.shown().region().get(), w);
-        if (j != kNone && labels[j] == static_cast<int>(g) && (inFace[j] || i < j)) {
-          patch.border.vertices.insert(patch.border.vertices.end(), {i, j});
-          patch.border.lengths.push_back(2);
-        }
+  patch.border = border_of(patch.faces);
+  for (const int v : labelled_[static_cast<std::size_t>(group)]) {
+    if (labels[v] != group || hasFace(v)) {
+      continue;
+    }
+    patch.loose.push_back(number(region, v));
+    for (const int w : adjacency.neighbours[v]) {
+      if (labels[w] == group && (v < w || hasFace(w))) {
+        patch.border.vertices.insert(patch.border.vertices.end(), {number(region, v), number(region, w)});
+        patch.border.lengths.push_back(2);
       }
     }
   }
@@ -239,7 +229,6 @@ void SurfacePicture::takePositions(const DragSession& session) {
 void SurfacePicture::draw(const DragSession& session, int hovered, Colours colours) {
   if (!isListed(session)) {
     list(session);
-    poseSerial_ = -1;
   }
   takePositions(session);
   glDisableClientState(GL_NORMAL_ARRAY);
@@ -259,8 +248,7 @@ void SurfacePicture::draw(const DragSession& session, int hovered, Colours colou
   const auto marked = [&](const Patch& patch, const pen::Color& color, double alpha, double hatchAlpha,
                           const pen::Color& outline) {
     faces(patch.faces, color, alpha, pen::kDark, hatchAlpha);
-    pen::set(outline);
-    drawChains(patch.border, 1.5);
+    drawChains(patch.border, outline, 1.5);
     points(patch.loose, outline, 4, 1);
   };
   marked(patches_[groups], pen::kLight, 0.35, 0.6, pen::kGrey);  // not connected
@@ -284,26 +272,21 @@ void SurfacePicture::drawRegion(const DragSession& session, Colours colours) {
     tint(band_.faces, pen::kAnchor, moving ? 0.2 : 0.45);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
-  glDepthRange(0, kShift);
-  const auto line = [&](const Chains& chains, const pen::Color& color, double alpha, double width) {
-    pen::set(color, alpha);
-    drawChains(chains, width, false);
-  };
-  line(free_.border, pen::kAnchor, 0.8, 1.5);
-  line(rim_, pen::kDark, 0.7, 3.5);
+  glDepthRange(0, pen::kAbove);
+  drawChains(free_.border, pen::kAnchor, 1.5, 0.8, false);
+  drawChains(rim_, pen::kDark, 3.5, 0.7, false);
   if (session.preparation().running) {
     beginDashes(true);
   }
-  line(rim_, pen::kLight, 0.95, 1.5);
+  drawChains(rim_, pen::kLight, 1.5, 0.95, false);
   glDisable(GL_LINE_STIPPLE);
 }
 
 void SurfacePicture::drawHeat(const DragSession& session) {
   const Region& region = *session.shown().region();
-  if (stretchedRegion_ != regionSerial_) {
+  if (!stretch_) {
     stretch_ = std::make_unique<VertexStretch>(region, session.original().vertices);
     heat_.resize(4 * static_cast<std::size_t>(region.size()));
-    stretchedRegion_ = regionSerial_;
   }
   const std::vector<float>& stretch = stretch_->of(session.shown().pose());
   for (std::size_t i = 0; i < stretch.size(); ++i) {
@@ -359,14 +342,13 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, bo
           : moving ? 0.45
                    : 0.7);
   }
-  glDepthRange(0, kShift);
+  glDepthRange(0, pen::kAbove);
   // Loose vertices next to faces of the group get no mark of their own.
   const bool alone = patch.faces.empty();
   const double size = !alone ? 4 : patch.loose.size() == 1 ? 9 : 6;
   const auto outline = [&](double width, double alpha) {
     const auto line = [&](double pixels, const pen::Color& drawn, double opacity) {
-      pen::set(drawn, opacity * alpha);
-      drawChains(patch.border, pixels, alpha == 1 && active);
+      drawChains(patch.border, drawn, pixels, opacity * alpha, alpha == 1 && active);
     };
     line(width + 2, pen::kDark, 0.85);
     const bool bright = active || hovered;

@@ -89,11 +89,7 @@ void LaplacianDragTool::drawAll(QPainter& painter) {
   if (layer) {
     view_ = Camera(worldToClip_ * layer->transform, viewport.width(), viewport.height());
     DragSession& session = active_->session;
-    Overlay::Options options;
-    options.width = viewport.width();
-    options.height = viewport.height();
-    options.pixelRatio = viewport.devicePixelRatioF();
-    options.transform = layer->transform;
+    Overlay::Options options = {viewport, layer->transform};
     if (session.hover() && !session.motion() && isCovered()) {
       session.leave();
     }
