@@ -26,14 +26,16 @@ constexpr std::int64_t kMostListedVertices = 100000000;  // of all lists of an e
 
 /// Data shared by all values of one text.
 struct Source {
-  const std::string& folder;                 ///< of relative file names
-  const TriangleMesh* mesh;                  ///< null: unknown
-  std::vector<std::string>* files;           ///< gets the files that the text names; may be null
-  std::int64_t end = std::int64_t{1} << 31;  ///< the first number that is no vertex
-  std::int64_t most = kMostListedVertices;   ///< number of vertices that can be listed
-  bool by_position = false;                  ///< these are those of mesh.positions
-  std::int64_t listed = 0;                   ///< vertices in the lists before
-  std::optional<EditError> later = {};       ///< thrown at the end, since errors of the text itself come first
+  const std::string& folder;        ///< of relative file names
+  const TriangleMesh* mesh;         ///< null: unknown
+  std::vector<std::string>* files;  ///< gets the files that the text names; may be null
+  struct Limits {
+    std::int64_t end = std::int64_t{1} << 31;  ///< the first number that is no vertex
+    std::int64_t most = kMostListedVertices;   ///< number of vertices that can be listed
+    bool by_position = false;                  ///< these are those of mesh.positions
+  } limits = {};
+  std::int64_t listed = 0;              ///< vertices in the lists before
+  std::optional<EditError> later = {};  ///< thrown at the end, since errors of the text itself come first
 };
 
 namespace {
@@ -64,15 +66,15 @@ int vertex_number(const std::string& text) {
 /// Adds a range of vertices, unless it goes beyond the mesh.
 void add_range(const JsonValue& value, int first, int last, Ranges& ranges) {
   Source& source = *value.source;
-  if (last < source.end) {
+  if (last < source.limits.end) {
     ranges.emplace_back(first, last);
   } else if (!source.later) {
-    const std::int64_t beyond = std::max<std::int64_t>(first, source.end);
+    const std::int64_t beyond = std::max<std::int64_t>(first, source.limits.end);
     const std::string sentence =
         "vertex " + std::to_string(beyond) +
-        (source.by_position
-             ? " is not among mesh.positions, by which the edit is applied; add it."
-             : " is outside the edit's mesh, which has " + std::to_string(source.end) + " vertices, counted from 0.");
+        (source.limits.by_position ? " is not among mesh.positions, by which the edit is applied; add it."
+                                   : " is outside the edit's mesh, which has " + std::to_string(source.limits.end) +
+                                         " vertices, counted from 0.");
     source.later.emplace(ErrorCause::BadScript, value.where + ": " + sentence, static_cast<int>(beyond))
         .at(value.where);
   }
@@ -146,13 +148,13 @@ void read(const JsonValue& value, std::vector<int>& vertices) {
   if (source.later) {
     return;
   }
-  if (count_of(ranges) > source.most) {
+  if (count_of(ranges) > source.limits.most) {
     ranges = union_of(std::move(ranges));
   }
   const std::int64_t count = count_of(ranges);
-  if (source.by_position && count > source.most) {
+  if (source.limits.by_position && count > source.limits.most) {
     value.refuse("lists " + std::to_string(count) + " vertices, but mesh.positions has points for " +
-                 std::to_string(source.most) + "; give one for each.");
+                 std::to_string(source.limits.most) + "; give one for each.");
   }
   if (source.listed + count > kMostListedVertices) {
     value.refuse("the vertex lists up to here hold " + std::to_string(source.listed + count) +
@@ -166,27 +168,6 @@ void read(const JsonValue& value, std::vector<int>& vertices) {
     }
   }
 }
-
-/// Numbers of a scan's faces, written as vertex lists are.
-struct FaceNumbers {
-  std::vector<int>& faces;
-};
-
-void read(const JsonValue& value, FaceNumbers& numbers) {
-  Source unlimited = {value.source->folder, nullptr, nullptr};
-  unlimited.listed = value.source->listed;
-  unlimited.later = value.source->later;
-  read(JsonValue{value.json, value.where, &unlimited}, numbers.faces);
-  value.source->listed = unlimited.listed;
-}
-
-// The entries of a list, for messages.
-template <class Value>
-constexpr const char* kSeveral = "points";
-template <>
-constexpr const char* kSeveral<HandleGroup> = "handle groups";
-template <>
-constexpr const char* kSeveral<EditStep> = "steps";
 
 void read(const JsonValue& from, FitMode& mode) {
   mode = static_cast<FitMode>(read_choice(from, {name(FitMode::Shape), name(FitMode::Pose)}));
@@ -245,10 +226,6 @@ Json json_of(std::vector<int>& vertices) {
   return text;
 }
 
-Json json_of(FaceNumbers& numbers) {
-  return json_of(numbers.faces);
-}
-
 template <class Value>
 Json json_of(std::optional<Value>& value) {
   return json_of(*value);
@@ -267,7 +244,9 @@ void read(const JsonValue& from, std::optional<Value>& value) {
 template <class Value>
 void read(const JsonValue& from, std::vector<Value>& values) {
   if (!from.json.is_array() || from.json.empty()) {
-    from.refuse_kind(std::string("a list of one or more ") + kSeveral<Value>);
+    from.refuse_kind(std::string("a list of one or more ") + (std::is_same_v<Value, EditStep>      ? "steps"
+                                                              : std::is_same_v<Value, HandleGroup> ? "handle groups"
+                                                                                                   : "points"));
   }
   for (std::size_t k = 0; k < from.json.size(); ++k) {
     read(from[k], values.emplace_back());  // one by one, since a wrong entry takes less memory as text
@@ -313,6 +292,15 @@ struct Keys {
       (*to)[key] = json_of(value);
     }
     return has(key) || (to != nullptr && written);
+  }
+
+  /// Handles numbers of a scan's faces, which are written as vertex lists are.
+  void may_list_faces(const char* key, std::vector<int>& faces) {
+    const auto limits = from == nullptr ? Source::Limits() : std::exchange(from->source->limits, {});
+    may(key, faces);
+    if (from != nullptr) {
+      from->source->limits = limits;
+    }
   }
 
   /// Handles an optional key that is `true`.
@@ -488,8 +476,7 @@ void visit(Keys& keys, FitStep& fit) {
   keys.may("borders", settings.borders);
   Nested exclude = {[&fit](Keys& inside) {
     inside.may("vertices", fit.exclude);
-    FaceNumbers numbers = {fit.exclude_faces};
-    inside.may("scan_faces", numbers, !fit.exclude_faces.empty());
+    inside.may_list_faces("scan_faces", fit.exclude_faces);
     inside.chosen("scan_selected", fit.exclude_selected);
     if (inside.from != nullptr && !inside.has("vertices") && !inside.has("scan_faces") &&
         !inside.has("scan_selected")) {
@@ -620,12 +607,11 @@ void limit_lists(const JsonValue& description, const Edit& edit) {
     } catch (const EditError& error) {
       source.later = error;
     }
-    source.end = source.most = *edit.mesh_vertices;
+    source.limits.end = source.limits.most = *edit.mesh_vertices;
   } else if (description.has("positions") && !edit.mesh_faces && edit.connectivity.empty()) {
-    const Source unlimited = {source.folder, nullptr, nullptr};
-    source.end = unlimited.end;
-    source.most = static_cast<std::int64_t>(description["positions"]["points"].json.size());
-    source.by_position = true;
+    source.limits = {};
+    source.limits.most = static_cast<std::int64_t>(description["positions"]["points"].json.size());
+    source.limits.by_position = true;
   }
 }
 
@@ -644,7 +630,7 @@ void visit_mesh(Keys& keys, Edit& edit) {
   }
   keys.may("positions", edit.positions, !edit.positions.vertices.empty());
   if (keys.from != nullptr && edit.by_position()) {
-    keys.from->source->end = edit.positions.vertices.back() + std::int64_t{1};
+    keys.from->source->limits.end = edit.positions.vertices.back() + std::int64_t{1};
   }
 }
 
@@ -665,7 +651,7 @@ Edit read_edit(const std::string& json, const std::string& folder, const Triangl
   Edit edit;
   Source source = {folder, mesh, files};
   if (mesh != nullptr) {
-    source.end = source.most = mesh->vertices.rows();
+    source.limits.end = source.limits.most = mesh->vertices.rows();
   }
   const JsonValue whole = {root, "edit", &source};
   // Check the version first, since another version may have other keys.

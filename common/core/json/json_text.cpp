@@ -107,15 +107,14 @@ void read_numbers(const JsonValue& value, double* numbers, std::size_t count) {
 }
 
 Json json_of(const Figure::Value& value) {
-  return std::visit(
-      [](const auto& known) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(known)>, std::monostate>) {
-          return Json();
-        } else {
-          return Json(known);
-        }
-      },
-      value);
+  Json json;
+  const auto put = [&json](const auto& known) {
+    if constexpr (!std::is_same_v<std::decay_t<decltype(known)>, std::monostate>) {
+      json = known;
+    }
+  };
+  std::visit(put, value);
+  return json;
 }
 
 }  // namespace
