@@ -181,7 +181,9 @@ class Job {
     }
     const Adjacency adjacency = build_adjacency(static_cast<int>(file_.mesh.vertices.rows()), file_.mesh.faces);
     const auto finish = [&](EditResult&& pose) {
-      measure(pose);
+      if (options_.quality) {
+        count_self_intersections(file_.mesh, pose);
+      }
       refuseAdvice(pose);
       edit_ms_ += stopwatch.lap();
       write(pose);
@@ -208,12 +210,6 @@ class Job {
  private:
   /// Returns the fraction of the pose that is written next.
   double fraction() const { return options_.fractions[poses_]; }
-
-  void measure(EditResult& pose) const {
-    if (options_.quality) {
-      count_self_intersections(file_.mesh, pose);
-    }
-  }
 
   /// Refuses a pose if advice is an error. @throws Failure (Advised)
   void refuseAdvice(const EditResult& pose) const {
@@ -276,11 +272,10 @@ class Job {
     if (options_.edit.empty()) {
       all.erase("edit");
     }
-    if (!options_.scan.empty()) {
-      all["scan"] = full(options_.scan);
-    }
-    if (!options_.targets.empty()) {
-      all["targets"] = full(options_.targets);
+    for (const auto& [key, path] : {std::pair("scan", options_.scan), std::pair("targets", options_.targets)}) {
+      if (!path.empty()) {
+        all[key] = full(path);
+      }
     }
     // Names of files need not be UTF-8, but JSON is.
     return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

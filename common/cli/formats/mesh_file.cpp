@@ -21,11 +21,6 @@ namespace {
 constexpr std::pair<const char*, MeshReader> kReaders[] = {
     {".ply", readPly}, {".obj", readObj}, {".off", readOff}, {".stl", readStl}};
 
-/// Returns a number rounded to the precision of its file.
-double stored(NumberKind kind, double number) {
-  return isSingle(kind) ? static_cast<double>(static_cast<float>(number)) : number;
-}
-
 /// Returns s or t for the other names of texture coordinates, which programs use in their place.
 std::string shortName(const std::string& column) {
   return column == "u" || column == "texture_u" ? "s" : column == "v" || column == "texture_v" ? "t" : column;
@@ -224,7 +219,7 @@ std::string MeshFile::edited(const EditResult& result, int& sharedNormals, const
   for (std::size_t i = 0; i < count; ++i) {
     const auto v = static_cast<Eigen::Index>(vertices.empty() ? i : static_cast<std::size_t>(vertices[i]));
     for (int k = 0; k < 3; ++k) {
-      const double number = stored(positions.kinds[k], after(v, k));
+      const double number = isSingle(positions.kinds[k]) ? static_cast<float>(after(v, k)) : after(v, k);
       if (number != mesh.vertices(v, k) && std::isfinite(number)) {
         isMoved[static_cast<std::size_t>(v)] = 1;
         rewriter.replace(positions.kinds[k], positions.at[3 * i + k], number);
