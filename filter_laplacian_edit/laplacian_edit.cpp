@@ -6,6 +6,8 @@
 
 #include "filters.h"
 #include "lapedit/base/error.h"
+#include "lapedit/json/edit_script.h"
+#include "lapedit/mesh/coordinate_space.h"
 #include "lapedit/mesh/vertex_tree.h"
 
 using namespace lapedit;
@@ -43,26 +45,21 @@ std::vector<Parameter> parameters() {
   const HandleTransform transform;
   const Vector3 origin = Vector3::Zero();
   std::vector<Parameter> list = {
-      {Kind::Choice,
-       "handle_source",
-       NearestVertex,
-       "Handle",
-       "What is moved: the vertex nearest to the handle point, all selected vertices together, or the vertex of a "
-       "number.",
-       {"Vertex nearest to the point", "Selected vertices", "Vertex number"}},
+      choice(
+          "handle_source", NearestVertex, "Handle",
+          "What is moved: the vertex nearest to the handle point, all selected vertices together, or the vertex of a "
+          "number.",
+          {"Vertex nearest to the point", "Selected vertices", "Vertex number"}),
       {Kind::Point, "handle_point", origin, "Handle point",
        "A point on the surface, in the layer's own coordinates; the nearest vertex becomes the handle. Used with the "
        "vertex nearest to the point only."},
       {Kind::Integer, "handle_vertex", 0, "Handle vertex",
        "Number of the vertex that becomes the handle, counted from 0. Used with the vertex number only; exact also "
        "where points far from the origin are not."},
-      {Kind::Choice,
-       "region_source",
-       GeodesicRadius,
-       "Region",
-       "Which part of the surface may change: all that is within a distance along the surface of the handle, the "
-       "vertices of the selected faces, or the whole connected components of the handle.",
-       {"Geodesic radius", "Selected faces", "Whole component"}},
+      choice("region_source", GeodesicRadius, "Region",
+             "Which part of the surface may change: all that is within a distance along the surface of the handle, the "
+             "vertices of the selected faces, or the whole connected components of the handle.",
+             {"Geodesic radius", "Selected faces", "Whole component"}),
       {Kind::Length, "radius", 20.0, "Radius",
        "Size of the region: distance from the handle along the surface. Used with the geodesic radius only."},
       {Kind::Real, "padding", region.padding, "Padding",
@@ -183,4 +180,22 @@ FilterAction laplacianEdit() {
           "their shape and rotate with it; nothing outside the region changes. " +
               aboutTheMethod(),
           parameters(), run};
+}
+
+FilterAction laplacianEditReplay() {
+  return {"Laplacian Edit Replay",
+          "apply_coord_laplacian_editing_replay",
+          "Repeats an edit that was recorded or written as JSON, exactly or a part of the way. " + aboutTheMethod(),
+          {{Parameter::Kind::Text, "edit", QString(), "Edit",
+            "The edit as JSON text, beginning with a brace, or the path of a .json file."},
+           {Parameter::Kind::Real, "fraction", 1.0, "Fraction",
+            "How far each handle goes: from 0 (no change) to 1 (the whole edit). Rotations go by angle."}},
+          [](const ParameterValues& values, CMeshO& host, const Progress& progress) {
+            const auto make = [&](const BridgedMesh& bridged) {
+              Edit edit = load_edit(values.text("edit").toStdString(), &bridged.mesh);
+              edit = in_space(std::move(edit), space_of_file(values.layer_file));
+              return with_scans(std::move(edit), layer_reader(values.layers, host));
+            };
+            return write_edited(host, edit_mesh(host, make, values.real("fraction"), progress));
+          }};
 }

@@ -70,31 +70,23 @@ FilterAction laplacianFit() {
           aboutTheMethod(),
       {{Kind::Layer, "scan", QString(), "Scan",
         "The scan's layer; in scripts its name, which may be empty if there are two layers."},
-       {Kind::Choice,
-        "mode",
-        ToShape,
-        "Mode",
-        "Whether the scan shows another shape of the same kind, or the same body "
-        "in another pose. Another pose needs landmarks at the ends of limbs. Symmetrise needs no scan: the layer goes "
-        "half of the way to its own mirror image, whose plane is found.",
-        {"Shape", "Pose", "Symmetrise"}},
+       choice("mode", ToShape, "Mode",
+              "Whether the scan shows another shape of the same kind, or the same body "
+              "in another pose. Another pose needs landmarks at the ends of limbs. Symmetrise needs no scan: the layer "
+              "goes "
+              "half of the way to its own mirror image, whose plane is found.",
+              {"Shape", "Pose", "Symmetrise"}),
        {Kind::Real, "detail", ScanFitSettings().detail, "Detail",
         "Length over the template's size down to which it follows the scan, 0.003 to 0.4. Smaller follows noise, "
         "too."},
-       {Kind::Choice,
-        "align",
-        OfTheMode,
-        "Alignment",
-        "How the template is aligned before the fit: by the mode a similarity for shapes, and a rigid motion for "
-        "poses.",
-        {"Of the mode", "Similarity", "Rigid", "None"}},
-       {Kind::Choice,
-        "landmarks",
-        PickedPoints,
-        "Landmarks",
-        "Points that were picked in both layers and saved beside their files under the suggested names, as in "
-        "head_picked_points.pp, are paired by their names.",
-        {"Picked points of both layers, if there are any", "None"}}},
+       choice("align", OfTheMode, "Alignment",
+              "How the template is aligned before the fit: by the mode a similarity for shapes, and a rigid motion for "
+              "poses.",
+              {"Of the mode", "Similarity", "Rigid", "None"}),
+       choice("landmarks", PickedPoints, "Landmarks",
+              "Points that were picked in both layers and saved beside their files under the suggested names, as in "
+              "head_picked_points.pp, are paired by their names.",
+              {"Picked points of both layers, if there are any", "None"})},
       [](const ParameterValues& values, CMeshO& host, const Progress& progress) {
         const auto make = [&](const BridgedMesh&) { return fitOf(values, host); };
         return write_edited(host, edit_mesh(host, make, 1, progress));

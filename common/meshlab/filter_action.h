@@ -41,6 +41,11 @@ struct Parameter {
   QStringList choices = {};
 };
 
+inline Parameter choice(const QString& name, int standard, const QString& label, const QString& help,
+                        const QStringList& choices) {
+  return {Parameter::Kind::Choice, name, standard, label, help, choices};
+}
+
 /// A layer of MeshLab's document.
 struct DocumentLayer {
   QString label;

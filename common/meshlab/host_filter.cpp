@@ -4,12 +4,11 @@
 #include <common/filterscript.h>
 
 #include <QApplication>
-#include <QByteArray>
 #include <QWidget>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -23,18 +22,9 @@ namespace {
 /// Returns the shortest decimal of the same number, as the user typed it, since MeshLab stores numbers in single
 /// precision.
 double as_typed(float number) {
-  if (!std::isfinite(number)) {
-    return number;
-  }
-  // Older standard libraries have no std::from_chars for float.
+  char text[32];
   double typed = number;
-  for (int digits = 1; digits <= std::numeric_limits<float>::max_digits10; ++digits) {
-    typed = QByteArray::number(static_cast<double>(number), 'g', digits).toDouble();
-    const auto same = static_cast<float>(typed);
-    if (!std::isless(same, number) && !std::isgreater(same, number)) {
-      break;
-    }
-  }
+  std::from_chars(text, std::to_chars(text, text + sizeof text, number).ptr, typed);
   return typed;
 }
 
@@ -104,36 +94,27 @@ void add_parameter(const Parameter& parameter, double diagonal, const QStringLis
   const QString& name = parameter.name;
   const QString& label = parameter.label;
   const QString& help = parameter.help;
+  const auto add = [&list](const auto& rich) { list.addParam(rich); };
   switch (parameter.kind) {
     case Parameter::Kind::Choice:
-      list.addParam(RichEnum(name, std::get<int>(parameter.standard), parameter.choices, label, help));
-      break;
+      return add(RichEnum(name, std::get<int>(parameter.standard), parameter.choices, label, help));
     case Parameter::Kind::Integer:
-      list.addParam(RichInt(name, std::get<int>(parameter.standard), label, help));
-      break;
+      return add(RichInt(name, std::get<int>(parameter.standard), label, help));
     case Parameter::Kind::Length: {
       const double length = std::get<double>(parameter.standard) / 100 * diagonal;
-      list.addParam(
-          LengthParameter(name, static_cast<Scalarm>(length), 0, static_cast<Scalarm>(diagonal), label, help));
-      break;
+      return add(LengthParameter(name, static_cast<Scalarm>(length), 0, static_cast<Scalarm>(diagonal), label, help));
     }
     case Parameter::Kind::Real:
-      list.addParam(RichFloat(name, static_cast<Scalarm>(std::get<double>(parameter.standard)), label, help));
-      break;
-    case Parameter::Kind::Point: {
-      const auto& point = std::get<Vector3>(parameter.standard);
-      list.addParam(PointParameter(name, to_host(point), label, help));
-      break;
-    }
+      return add(RichFloat(name, static_cast<Scalarm>(std::get<double>(parameter.standard)), label, help));
+    case Parameter::Kind::Point:
+      return add(PointParameter(name, to_host(std::get<Vector3>(parameter.standard)), label, help));
     case Parameter::Kind::Layer:
       if (is_in_dialog()) {
-        list.addParam(RichEnum(name, 0, others, label, help));
-        break;
+        return add(RichEnum(name, 0, others, label, help));
       }
       [[fallthrough]];
     case Parameter::Kind::Text:
-      list.addParam(RichString(name, std::get<QString>(parameter.standard), label, help));
-      break;
+      return add(RichString(name, std::get<QString>(parameter.standard), label, help));
   }
 }
 

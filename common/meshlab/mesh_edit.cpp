@@ -120,9 +120,7 @@ ScanReader layer_reader(const std::vector<DocumentLayer>& layers, const CMeshO& 
 }
 
 std::string transform_note(const CMeshO& layer) {
-  CMeshO untransformed;
-  untransformed.Tr.SetIdentity();
-  return map_between(untransformed, layer).matrix().isIdentity(0)
+  return transform_of(layer).isIdentity(0)
              ? ""
              : " The layer has a transform, and points are in its own coordinates, before the transform: give such a "
                "point, or freeze the layer's matrix first.";

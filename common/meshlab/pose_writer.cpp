@@ -86,14 +86,6 @@ void PoseWriter::find_affected(const std::vector<int>& vertices) {
   a.angles.clear();
 }
 
-Point3m& PoseWriter::normal_of_vertex(CMeshO& host, int vertex) const {
-  return host.vert[host_vertex_[vertex]].N();
-}
-
-Point3m& PoseWriter::normal_of_face(CMeshO& host, int face) const {
-  return host.face[host_face_[face]].N();
-}
-
 /// Takes the normals and the box that other code may have set, except those that moved vertices affect.
 void PoseWriter::take_normals(const CMeshO& host) {
   const auto shows = [this](int f) {
@@ -148,7 +140,7 @@ void PoseWriter::write_normals(CMeshO& host, bool settled) {
         face.has_area = square > 0 && square < kInfinity;
         unit = face.vector * (1 / std::sqrt(square));
       }
-      normal_of_face(host, f) = face.is_away && face.has_area ? to_host(unit) : first_face_normals_[f];
+      host.face[host_face_[f]].N() = face.is_away && face.has_area ? to_host(unit) : first_face_normals_[f];
     }
   });
   in_pieces(pool_, static_cast<int>(a.touched.size()), kGrain, [&](int begin, int end) {
@@ -171,9 +163,9 @@ void PoseWriter::write_normals(CMeshO& host, bool settled) {
       }
       const double square = sum.squaredNorm();
       const bool has_sum = settled ? sum.norm() > 0 : square > 0 && square < kInfinity;
-      normal_of_vertex(host, v) = !shows || !has_sum ? first_normals_[v]
-                                  : settled          ? to_host(sum)
-                                                     : to_host(sum * (1 / std::sqrt(square)));
+      host.vert[host_vertex_[v]].N() = !shows || !has_sum ? first_normals_[v]
+                                       : settled          ? to_host(sum)
+                                                          : to_host(sum * (1 / std::sqrt(square)));
     }
   });
 }

@@ -77,8 +77,6 @@ class PoseWriter {
   void take_normals(const CMeshO& host);
   void write_places(CMeshO& host, const Points& positions);
   void write_normals(CMeshO& host, bool settled);
-  Point3m& normal_of_vertex(CMeshO& host, int vertex) const;
-  Point3m& normal_of_face(CMeshO& host, int face) const;
 
   const Adjacency& adjacency_;
   std::vector<int> host_vertex_, host_face_;
