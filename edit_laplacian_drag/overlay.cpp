@@ -35,22 +35,16 @@ void beginFlat() {
   glShadeModel(GL_SMOOTH);
 }
 
-/// Makes coordinates pixels from the upper left corner.
-void toPixels(double width, double height) {
-  glMatrixMode(GL_PROJECTION);
-  glLoadIdentity();
-  glOrtho(0, width, height, 0, -1, 1);
-  glMatrixMode(GL_MODELVIEW);
-  glLoadIdentity();
-}
-
 /// Draws the displacement of the grabbed point, and the locked axis.
 void drawMotion(const DragSession& session) {
   const DragMotion& motion = *session.motion();
   if (const auto axis = motion.axis()) {
     const double reach = 10 * session.settings().radius;
     const Vector3& position = motion.kind() == MotionKind::Translate ? motion.grab() : motion.center();
-    pen::rimmed(pen::axisColor(motion.lock(), session.gizmo_element()), 1,
+    const int number = motion.lock() == AxisLock::Gizmo
+                           ? axis_number(session.gizmo_element())
+                           : static_cast<int>(motion.lock()) - static_cast<int>(AxisLock::X);
+    pen::rimmed(number >= 0 && number < 3 ? pen::axisColor(number) : pen::kLight, 1,
                 [&] { pen::line<Vector3>(position - reach * *axis, position + reach * *axis); });
   }
   if (motion.kind() == MotionKind::Translate && motion.moves()) {
@@ -89,11 +83,6 @@ void drawPivot(const DragSession& session, const Camera& view) {
     pen::circle(center, 5);
     pen::cross(center, 9);
   });
-}
-
-void drawBrush(const Overlay::Brush& brush, const pen::Color& color) {
-  pen::rimmed(color, 1.5, [&] { pen::circle(brush.center, brush.radius); });
-  pen::rimmed(color, 1.5, [&] { pen::cross(brush.center, 4, !brush.takes); });
 }
 
 /// Returns the colour of the brush's target.
@@ -343,9 +332,7 @@ void Overlay::drawGizmoOf(const DragSession& session, const Camera& view) {
     gizmo_ = session.gizmo(view);
   } else if (gizmo_) {
     // Keep the gizmo where it was before the motion, since the session would recompute the pivot.
-    Gizmo held = place_gizmo(gizmo_->center, GizmoAxes::Layer, Vector3::Zero(), view);
-    held.axes = gizmo_->axes;
-    gizmo_ = held;
+    gizmo_->length = place_gizmo(gizmo_->center, GizmoAxes::Layer, Vector3::Zero(), view).length;
   }
   if (!gizmo_ || (motion && session.gizmo_element() == GizmoElement::None)) {
     return;
@@ -381,11 +368,18 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
     }
   }
   if (view.valid()) {
-    toPixels(options.viewport.width(), options.viewport.height());
+    // Coordinates are now pixels from the upper left corner.
+    glMatrixMode(GL_PROJECTION);
+    glLoadIdentity();
+    glOrtho(0, options.viewport.width(), options.viewport.height(), 0, -1, 1);
+    glMatrixMode(GL_MODELVIEW);
+    glLoadIdentity();
     if (session.lasso() != nullptr) {
       pen::rimmed(brushColor(session), 1.5, [&] { pen::shape(GL_LINE_LOOP, *session.lasso()); });
     } else if (options.brush) {
-      drawBrush(*options.brush, brushColor(session));
+      const pen::Color color = brushColor(session);
+      pen::rimmed(color, 1.5, [&] { pen::circle(*options.brush, session.settings().brush_pixels); });
+      pen::rimmed(color, 1.5, [&] { pen::cross(*options.brush, 4, !options.takes); });
     } else {
       drawGizmoOf(session, view);
       drawPivot(session, view);

@@ -67,16 +67,11 @@ class SurfacePicture {
 /// Shows region, handles, motion, gizmo and the preview of a press for one session. Only reads the session.
 class Overlay {
  public:
-  struct Brush {
-    lapedit::Vector2 center;  ///< pixels
-    double radius;
-    bool takes;
-  };
-
   struct Options {
     const QWidget& viewport;
-    Eigen::Matrix4d transform;  ///< of the layer
-    std::optional<Brush> brush = {};
+    Eigen::Matrix4d transform;                   ///< of the layer
+    std::optional<lapedit::Vector2> brush = {};  ///< its middle, pixels; none: not shown
+    bool takes = false;                          ///< the brush paints less
     Colours colours = Colours::Region;
   };
 

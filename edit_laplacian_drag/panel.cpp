@@ -32,12 +32,7 @@ constexpr int kFieldWidth = 160, kButtonWidth = 50;        // pixels; buttons ha
 constexpr double kLongest = 1e12;                          // limit of lengths
 constexpr const char* kListOf = "laplacian_drag_list_of";  // property of a list: the box that it belongs to
 
-const char* const kUnknown = "\u2013";
-
-/// Returns a dash where there is no value, so that no outdated one is shown.
-QString text(const std::optional<double>& figure, char format, int digits) {
-  return figure ? QString::number(*figure, format, digits) : QString(kUnknown);
-}
+const char* const kUnknown = "\u2013";  // a dash, so that no outdated value is shown
 
 /// A number without trailing zeros. A double click selects all of it, and not only the digits before or after the
 /// point.
@@ -193,14 +188,14 @@ void Panel::showFigures(const DragSession& session) {
   region_->setText(tr("Handle %1, free %2, anchors %3, fixed %4; steps: %5")
                        .arg(count(figures.handle), count(figures.free), count(figures.anchors), count(figures.fixed))
                        .arg(figures.steps));
-  const auto figure = [&](double EditReport::*value, double factor) {
-    return figures.report ? std::optional(factor * *figures.report.*value) : std::nullopt;
+  const auto figure = [&figures](double EditReport::*value, double factor, char format, int digits) {
+    return figures.report ? QString::number(factor * *figures.report.*value, format, digits) : QString(kUnknown);
   };
   const std::string advice = figures.advice();
-  quality_->setText(tr("Handle %1 from its target; largest stretch %2 %")
-                        .arg(text(figure(&EditReport::handle_residual, 1), 'g', 3),
-                             text(figure(&EditReport::stretch_max, 100), 'f', 0)) +
-                    (advice.empty() ? QString() : "\n" + QString::fromStdString(advice)));
+  quality_->setText(
+      tr("Handle %1 from its target; largest stretch %2 %")
+          .arg(figure(&EditReport::handle_residual, 1, 'g', 3), figure(&EditReport::stretch_max, 100, 'f', 0)) +
+      (advice.empty() ? QString() : "\n" + QString::fromStdString(advice)));
 }
 
 Colours Panel::colours() const {
@@ -325,20 +320,14 @@ void Panel::follow(Widget* box, const Access& access, void (Widget::*changed)(Va
 }
 
 QDoubleSpinBox* Panel::number(const char* part, const QString& title, double low, double high, int digits,
-                              const QString& help, const Access& access) {
+                              const QString& help, const Access& access, const QString& suffix) {
   QDoubleSpinBox* const box = field<NumberBox>(part, title, help);
   box->setLocale(QLocale::c());
   box->setDecimals(digits);
+  box->setSuffix(suffix);
   box->setRange(low, high);
   box->setKeyboardTracking(false);
   follow(box, access, QOverload<double>::of(&QDoubleSpinBox::valueChanged), &QDoubleSpinBox::setValue);
-  return box;
-}
-
-QDoubleSpinBox* Panel::percent(const char* part, const QString& title, int high, const QString& help,
-                               const Access& access) {
-  QDoubleSpinBox* const box = number(part, title, 0, high, 1, help, access);
-  box->setSuffix(tr(" %"));
   return box;
 }
 
@@ -383,20 +372,6 @@ QCheckBox* Panel::check(const char* part, const QString& text, const QString& he
   follow<QAbstractButton, bool>(box, access, &QAbstractButton::clicked, &QAbstractButton::setChecked);
   form_->addRow(box);
   return box;
-}
-
-void Panel::resetButton() {
-  auto* const made =
-      field<QPushButton>("defaults", tr("Settings"), tr("All settings of the panel, as they were at first"));
-  made->setText(tr("Reset all"));
-  connect(made, &QPushButton::clicked, this, [this] {
-    change([settings = defaults_](DragSession& session) mutable {
-      settings.edit.detail = session.settings().edit.detail;
-      session.set_settings(settings);
-      session.set(&Tools::gizmo, false);
-      session.set(&Tools::axes, GizmoAxes::Layer);
-    });
-  });
 }
 
 QPushButton* Panel::button(const char* part, const QString& text, const QString& help, std::optional<DragKey> key) {

@@ -107,8 +107,7 @@ class Panel : public QDockWidget {
     return box;
   }
   QDoubleSpinBox* number(const char* part, const QString& title, double low, double high, int digits,
-                         const QString& help, const Access& access);
-  QDoubleSpinBox* percent(const char* part, const QString& title, int high, const QString& help, const Access& access);
+                         const QString& help, const Access& access, const QString& suffix = {});
   QDoubleSpinBox* length(const char* part, const QString& title, const QString& help, const Access& access);
   /// Makes a slider of percents. @param set  called with the value while the slider is moved (passing), and at its
   /// release
@@ -116,7 +115,6 @@ class Panel : public QDockWidget {
                   const std::function<double(const lapedit::DragSession&)>& get,
                   const std::function<void(lapedit::DragSession&, double, bool passing)>& set);
   QCheckBox* check(const char* part, const QString& text, const QString& help, const Access& access);
-  void resetButton();
   QComboBox* choice(const char* part, const QString& title, const QStringList& choices, const QString& help,
                     const Access& access);
   QPushButton* button(const char* part, const QString& text, const QString& help,

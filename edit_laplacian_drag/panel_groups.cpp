@@ -89,10 +89,10 @@ void Panel::addBasic() {
   begin("basic", tr("Basic"), tr("Settings that most edits need"), true);
   length("radius", tr("Radius"), tr("Size of a new region, along the surface (wheel)"),
          access<&DragSettings::radius>());
-  percent("handle_fraction", tr("Handle size"), static_cast<int>(100 * kLargestHandleFraction),
-          tr("Radius of the disc that a press takes, in percent of the region's radius "
-             "(Shift+wheel); 0: the vertex under the cursor alone"),
-          access<&DragSettings::handle_fraction, 100>());
+  number("handle_fraction", tr("Handle size"), 0, 100 * kLargestHandleFraction, 1,
+         tr("Radius of the disc that a press takes, in percent of the region's radius "
+            "(Shift+wheel); 0: the vertex under the cursor alone"),
+         access<&DragSettings::handle_fraction, 100>(), tr(" %"));
   addDetail();
   check(
       "automatic", tr("Automatic sizes"),
@@ -124,7 +124,17 @@ void Panel::addBasic() {
        }});
   click->setItemIcon(0, icon("disc"));
   click->setItemIcon(1, icon("curve"));
-  resetButton();
+  auto* const reset =
+      field<QPushButton>("defaults", tr("Settings"), tr("All settings of the panel, as they were at first"));
+  reset->setText(tr("Reset all"));
+  connect(reset, &QPushButton::clicked, this, [this] {
+    change([settings = defaults_](DragSession& session) mutable {
+      settings.edit.detail = session.settings().edit.detail;
+      session.set_settings(settings);
+      session.set(&Tools::gizmo, false);
+      session.set(&Tools::axes, GizmoAxes::Layer);
+    });
+  });
   choice("pivot", tr("Turn about"), {tr("Handle's middle"), tr("Shoulder (edge)"), tr("Point (next click)")},
          tr("The point that turning and scaling go about (P): the middle of the handle, the middle of the region's "
             "edge, as the shoulder of an arm, or a point that the next click picks. With the last two a drag of the "
@@ -235,10 +245,9 @@ void Panel::addPaint() {
           [](DragSession& session, int index) {
             session.set(&Tools::paint, index > 0 ? std::optional(static_cast<BrushTarget>(index - 1)) : std::nullopt);
           }});
-  auto* brush = number("brush", tr("Brush size"), 1, 1000, 0, tr("Radius of the brush on the screen"),
-                       access<&DragSettings::brush_pixels>());
-  brush->setSuffix(tr(" pixels"));
-  remember("brush", brush->maximum(), access<&DragSettings::brush_pixels>());
+  number("brush", tr("Brush size"), 1, 1000, 0, tr("Radius of the brush on the screen"),
+         access<&DragSettings::brush_pixels>(), tr(" pixels"));
+  remember("brush", 1000, access<&DragSettings::brush_pixels>());
   buttons({button("invert", tr("Invert"), tr("Swaps painted and unpainted vertices")),
            button("blur", tr("Blur"), tr("Makes the outline of what is painted smoother")),
            button("clear", tr("Clear"),
@@ -260,10 +269,10 @@ void Panel::addRegion() {
          tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor"),
          {[](const DragSession& session) { return session.tools().snaps ? 1 : 0; },
           [](DragSession& session, int index) { session.set(&Tools::snaps, index == 1); }});
-  percent("padding", tr("Width of the edge"), 100,
-          tr("Width of the band inside the region's edge that stays, in percent of its "
-             "radius (Ctrl+Shift+wheel)"),
-          access<&DragSettings::padding, 100>());
+  number("padding", tr("Width of the edge"), 0, 100, 1,
+         tr("Width of the band inside the region's edge that stays, in percent of its "
+            "radius (Ctrl+Shift+wheel)"),
+         access<&DragSettings::padding, 100>(), tr(" %"));
   remember("padding", 100, access<&DragSettings::padding, 100>());
   auto* gap = length("connect_gap", tr("Connect within"),
                      tr("Pieces of the surface, or its borders, that are nearer to each other than this keep their "

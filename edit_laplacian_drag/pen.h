@@ -39,14 +39,6 @@ inline Color axisColor(int axis) {
   return kAxes[axis];
 }
 
-/// Returns the colour of a locked axis.
-inline Color axisColor(lapedit::AxisLock lock, lapedit::GizmoElement part) {
-  return lock == lapedit::AxisLock::Gizmo && lapedit::axis_number(part) >= 0 ? axisColor(lapedit::axis_number(part))
-         : lock >= lapedit::AxisLock::X && lock <= lapedit::AxisLock::Z
-             ? axisColor(static_cast<int>(lock) - static_cast<int>(lapedit::AxisLock::X))
-             : kLight;
-}
-
 inline void set(const Color& color, double alpha = 1) {
   glColor4ub(color[0], color[1], color[2], static_cast<GLubyte>(255 * alpha));
 }

@@ -35,13 +35,9 @@ void beginDashes(bool wandering) {
   glLineStipple(static_cast<GLint>(std::ceil(pen::pixelRatio)), static_cast<GLushort>(dashes & 0xFFFFU));
 }
 
-void triangles(const std::vector<unsigned>& corners) {
-  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(corners.size()), GL_UNSIGNED_INT, corners.data());
-}
-
 void tint(const std::vector<unsigned>& corners, const pen::Color& color, double alpha) {
   pen::set(color, alpha);
-  triangles(corners);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(corners.size()), GL_UNSIGNED_INT, corners.data());
 }
 
 /// Draws faces with a tint and, over it, a hatch. Then lines and points may follow.

@@ -97,10 +97,10 @@ void LaplacianDragTool::drawAll(QPainter& painter) {
     const Colours colours = shown_.warning ? Colours::Stretch : shared_->panel().colours();
     options.colours = colours == Colours::RegionAtRest ? (session.motion() ? Colours::None : Colours::Region) : colours;
     hasLegend = options.colours == Colours::Stretch && session.shown().region();
-    const bool takes = mouse_.modifiers & Qt::ShiftModifier;
-    const bool paints = takes || mouse_.modifiers & Qt::ControlModifier || session.tools().paint;
+    options.takes = mouse_.modifiers & Qt::ShiftModifier;
+    const bool paints = options.takes || mouse_.modifiers & Qt::ControlModifier || session.tools().paint;
     if (paints && !session.motion() && !(mouse_.modifiers & Qt::AltModifier)) {
-      options.brush = Overlay::Brush{cursor().pixel, session.settings().brush_pixels, takes};
+      options.brush = cursor().pixel;
     }
     overlay_.draw(session, view_, options);
     if (window_.suspended() && session.motion()) {

@@ -15,12 +15,6 @@
 using namespace lapedit;
 using namespace lapedit::host;
 
-namespace {
-
-constexpr int kPictureWidth = 900;  // pixels
-
-}  // namespace
-
 LayerSession::LayerSession(const CMeshO& mesh, const BridgedMesh& bridged, const DragSession::Callbacks& callbacks)
     : coreVertex(bridged.core_vertex),
       session(bridged.mesh, kStoredScalar, callbacks),
@@ -50,6 +44,7 @@ WindowSessions::~WindowSessions() {
 }
 
 void WindowSessions::showPanel() {
+  constexpr int kPictureWidth = 900;  // pixels
   auto* const window = qobject_cast<QMainWindow*>(parent());
   QDockWidget* layers = nullptr;
   if (window != nullptr && !panel_->isVisible() && !panel_->isFloating() &&

@@ -55,21 +55,17 @@ struct DocumentLayer {
 
 /// The user's values of a filter's parameters, each of its parameter's kind. A float of MeshLab becomes the double with
 /// the shortest decimal of that float: 0.1 is 0.1 here, not 0.10000000149.
-class ParameterValues {
- public:
+struct ParameterValues {
   std::string layer_file;  ///< path of the file that the layer was read from, empty if there is none
 
   std::vector<DocumentLayer> layers;  ///< all layers of the document
 
-  void set(const QString& name, ParameterValue value) { values_[name] = std::move(value); }
+  std::map<QString, ParameterValue> values;  ///< by name
 
-  int integer(const char* name) const { return std::get<int>(values_.at(name)); }
-  double real(const char* name) const { return std::get<double>(values_.at(name)); }
-  const Vector3& point(const char* name) const { return std::get<Vector3>(values_.at(name)); }
-  const QString& text(const char* name) const { return std::get<QString>(values_.at(name)); }
-
- private:
-  std::map<QString, ParameterValue> values_;
+  int integer(const char* name) const { return std::get<int>(values.at(name)); }
+  double real(const char* name) const { return std::get<double>(values.at(name)); }
+  const Vector3& point(const char* name) const { return std::get<Vector3>(values.at(name)); }
+  const QString& text(const char* name) const { return std::get<QString>(values.at(name)); }
 };
 
 /// The result of a filter.

@@ -150,9 +150,6 @@ void name_layers(const FilterAction& filter, FilterScript& history) {
     return;
   }
   RichParameterList& last = history.last().second;
-  if (!has_chosen_layer(filter, last)) {
-    return;
-  }
   RichParameterList named;
   for (const Parameter& parameter : filter.parameters) {
     const RichParameter& given = last.getParameterByName(parameter.name);
@@ -176,7 +173,7 @@ FilterOutcome run_filter(const FilterAction& filter, const RichParameterList& pa
   }
   values.layers = std::move(layers);
   for (const Parameter& parameter : filter.parameters) {
-    values.set(parameter.name, read_value(parameter, parameters.getParameterByName(parameter.name)));
+    values.values[parameter.name] = read_value(parameter, parameters.getParameterByName(parameter.name));
   }
   // Some versions print a line for each call.
   const auto progress = [callback, watch = Stopwatch(), shown = -1](double fraction, const char* stage) mutable {

@@ -13,11 +13,7 @@
 
 namespace lapedit::host {
 
-namespace {
-
-const char* const kReplay = "Laplacian Edit Replay";
-
-}  // namespace
+constexpr const char* kReplay = "Laplacian Edit Replay";
 
 // Uses only inline functions of GLArea, since the application exports no others.
 
