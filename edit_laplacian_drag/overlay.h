@@ -29,7 +29,7 @@ pen::Color stretchColor(float stretch);
 class SurfacePicture {
  public:
   /// @param hovered  group under the cursor; -1: none
-  /// Cost: O(size of the change), and a comparison of the groups.
+  /// Cost: O(size of the change), and a comparison of the groups; O(mesh) for another region or other groups.
   void draw(const lapedit::DragSession& session, int hovered, Colours colours);
 
  private:
