@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base_support.h"
 #include "filter_laplacian_edit.h"
 #include "host_support.h"
 #include "lapedit/base/error.h"
@@ -19,14 +20,18 @@ constexpr char kTwoSteps[] = R"({"laplacian_edit": 1, "steps": [
     {"region": {"radius": 4}, "handles": [{"vertices": "60", "translation": [0, 0, 1]}]},
     {"region": {"radius": 2}, "handles": [{"vertices": "20", "translation": [0, 0, 0.5]}]}]})";
 
-EditedMesh edited(const CMeshO& host) {
-  return edit_mesh(host, [](const BridgedMesh&) { return load_edit(kTwoSteps); }, 1, {});
-}
+class Filters : public testing::Test {
+ protected:
+  Filters() { fill(host, shapes::grid(11, 11)); }
+  EditedMesh edited(const char* steps = kTwoSteps) const {
+    return edit_mesh(host, [steps](const BridgedMesh&) { return load_edit(steps); }, 1, {});
+  }
 
-TEST(FilterFigures, HaveTheNamesAndNumbersOfTheReports) {
   CMeshO host;
-  fill(host, shapes::grid(11, 11));
-  const std::vector<EditReport> reports = edited(host).pose.reports;
+};
+
+TEST_F(Filters, FiguresHaveTheNamesAndNumbersOfTheReports) {
+  const std::vector<EditReport> reports = edited().pose.reports;
   ASSERT_EQ(reports.size(), 2u);
   const auto figures = figures_of(reports);
   EXPECT_EQ(figures.at("steps").toInt(), 2);
@@ -40,16 +45,14 @@ TEST(FilterFigures, HaveTheNamesAndNumbersOfTheReports) {
 }
 
 /// PyMeshLab prints a warning for all else.
-TEST(FilterFigures, AreNumbersAndTruthValuesOnly) {
-  CMeshO host;
-  fill(host, shapes::grid(11, 11));
-  for (const auto& [name, value] : write_edited(host, edited(host)).figures) {
+TEST_F(Filters, FiguresAreNumbersAndTruthValuesOnly) {
+  for (const auto& [name, value] : write_edited(host, edited()).figures) {
     const std::string type = value.typeName();
     EXPECT_TRUE(type == "bool" || type == "int" || type == "double") << name << " is a " << type;
   }
 }
 
-TEST(Filters, FitDeclaresThatItReadsAnotherLayer) {
+TEST_F(Filters, FitDeclaresThatItReadsAnotherLayer) {
   const FilterLaplacianEdit plugin;
   for (QAction* const action : plugin.actions()) {
     const bool fits = action->text() == "Laplacian Fit";
@@ -57,24 +60,17 @@ TEST(Filters, FitDeclaresThatItReadsAnotherLayer) {
   }
 }
 
-TEST(Filters, RefusalOfAPointOffTheSurfaceNamesTheTransformOfTheLayer) {
-  CMeshO host;
-  fill(host, shapes::grid(11, 11));
+TEST_F(Filters, RefusalOfAPointOffTheSurfaceNamesTheTransformOfTheLayer) {
   host.Tr.SetIdentity();  // as MeshLab does
-  const auto refusal = [&host](const char* steps) {
-    try {
-      edit_mesh(host, [steps](const BridgedMesh&) { return load_edit(steps); }, 1, {});
-    } catch (const EditError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
   constexpr char kAway[] = R"({"laplacian_edit": 1, "steps": [
       {"region": {"radius": 4}, "handles": [{"points": [[50, 5, 0]], "translation": [0, 0, 1]}]}]})";
-  EXPECT_NE(refusal(kAway).find("away from the nearest vertex"), std::string::npos);
-  EXPECT_EQ(refusal(kAway).find("transform"), std::string::npos);
-  host.Tr.SetTranslate(45, 0, 0);
-  EXPECT_NE(refusal(kAway).find("The layer has a transform"), std::string::npos);
+  for (const bool has_transform : {false, true}) {
+    if (has_transform) host.Tr.SetTranslate(45, 0, 0);
+    const std::string refusal = support::expect_refusal(ErrorCause::BadParameter, [&] { edited(kAway); });
+    support::expect_contains(refusal, "away from the nearest vertex");
+    EXPECT_EQ(refusal.find("The layer has a transform") != std::string::npos, has_transform) << refusal;
+    EXPECT_EQ(refusal.find("transform") != std::string::npos, has_transform) << refusal;
+  }
 }
 
 }  // namespace

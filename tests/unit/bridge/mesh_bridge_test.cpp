@@ -6,6 +6,7 @@
 #include <vcg/complex/algorithms/update/bounding.h>
 #include <vcg/complex/algorithms/update/normal.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -20,23 +21,14 @@
 namespace lapedit::host::mesh_bridge_test {
 namespace {
 
-constexpr Scalarm kNaN = std::numeric_limits<Scalarm>::quiet_NaN();
-
-void host_normals(CMeshO& host) {
-  vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(host);
-  vcg::tri::UpdateNormal<CMeshO>::PerVertexAngleWeighted(host);
-  vcg::tri::UpdateBounding<CMeshO>::Box(host);
-}
+using Allocator = vcg::tri::Allocator<CMeshO>;
 
 /// Moves the given vertices of the bridged mesh by an offset.
-EditResult shift(const BridgedMesh& bridged, const std::vector<int>& vertices, const Vector3& offset) {
+void shift(CMeshO& host, const BridgedMesh& bridged, const std::vector<int>& vertices, const Vector3& offset) {
   EditResult result;
   result.vertices = vertices;
-  result.positions.resize(static_cast<Eigen::Index>(vertices.size()), 3);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    result.positions.row(static_cast<Eigen::Index>(i)) = bridged.mesh.vertices.row(vertices[i]) + offset.transpose();
-  }
-  return result;
+  result.positions = support::rows(bridged.mesh.vertices, vertices).rowwise() + offset.transpose();
+  write_positions(host, bridged, support::adjacency_of(bridged.mesh), result);
 }
 
 TEST(MeshBridge, RefusesFacesThatNameNoVertex) {
@@ -55,7 +47,7 @@ TEST(MeshBridge, RefusesFacesThatNameNoVertex) {
                                   ", but there are 20 vertices, counted from 0: correct the file that the mesh was "
                                   "read from.");
     }
-    vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[7]);
+    Allocator::DeleteFace(host, host.face[7]);
     EXPECT_NO_THROW(read_mesh(host));
   }
 }
@@ -64,22 +56,15 @@ TEST(MeshBridge, ReadsALargeMeshInItsOrder) {
   const TriangleMesh mesh = shapes::icosphere(6);  // enough for several threads
   CMeshO host;
   fill(host, mesh);
-  int vertices = 0, faces = 0;
   for (std::size_t f = 0; f < host.face.size(); ++f) {
-    if (f % 7 == 3 || f > 80000) {  // not evenly
-      vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[f]);
-    }
+    if (f % 7 == 3 || f > 80000) Allocator::DeleteFace(host, host.face[f]);  // not evenly
   }
   std::vector<char> used(host.vert.size(), 0);
   for (const CFaceO& face : host.face) {
-    for (int k = 0; k < 3 && !face.IsD(); ++k) {
-      used[vcg::tri::Index(host, face.cV(k))] = 1;
-    }
+    for (int k = 0; k < 3 && !face.IsD(); ++k) used[vcg::tri::Index(host, face.cV(k))] = 1;
   }
   for (std::size_t v = 0; v < host.vert.size(); ++v) {
-    if (!used[v]) {
-      vcg::tri::Allocator<CMeshO>::DeleteVertex(host, host.vert[v]);
-    }
+    if (!used[v]) Allocator::DeleteVertex(host, host.vert[v]);
   }
   ASSERT_LT(host.vn, mesh.vertices.rows());
   const BridgedMesh bridged = read_mesh(host);
@@ -87,12 +72,12 @@ TEST(MeshBridge, ReadsALargeMeshInItsOrder) {
   ASSERT_EQ(bridged.mesh.faces.rows(), host.fn);
   ASSERT_EQ(bridged.core_vertex.size(), host.vert.size());
   validate(bridged.mesh);
+  int vertices = 0, faces = 0;
   for (std::size_t v = 0; v < host.vert.size(); ++v) {
     EXPECT_EQ(bridged.core_vertex[v], used[v] ? vertices : -1);
     if (used[v]) {
       EXPECT_EQ(bridged.host_vertex[static_cast<std::size_t>(vertices)], static_cast<int>(v));
-      EXPECT_EQ(bridged.mesh.vertices.row(vertices).transpose(), to_core(host.vert[v].cP()));
-      ++vertices;
+      EXPECT_EQ(bridged.mesh.vertices.row(vertices++).transpose(), to_core(host.vert[v].cP()));
     }
   }
   for (const CFaceO& face : host.face) {
@@ -111,31 +96,24 @@ TEST(MeshBridge, FaceOnADeletedVertexIsRefusedByTheCore) {
 }
 
 TEST(MeshBridge, NormalsAreTheHostsOwnAroundMovedVerticesAndUntouchedElsewhere) {
-  CMeshO host;
+  CMeshO host, expected;
   fill(host, shapes::icosphere(2));
   const Point3m mark(3, 4, 5);
-  for (CVertexO& vertex : host.vert) {
-    vertex.N() = mark;
-  }
-  for (CFaceO& face : host.face) {
-    face.N() = mark;
-  }
-  const BridgedMesh bridged = read_mesh(host);
+  for (CVertexO& vertex : host.vert) vertex.N() = mark;
+  for (CFaceO& face : host.face) face.N() = mark;
   const int moved = 20;
-  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, {moved}, {0.1, 0.2, 0}));
-  CMeshO expected;
+  shift(host, read_mesh(host), {moved}, {0.1, 0.2, 0});
   fill(expected, read_mesh(host).mesh);
-  host_normals(expected);
+  vcg::tri::UpdateNormal<CMeshO>::PerFaceNormalized(expected);
+  vcg::tri::UpdateNormal<CMeshO>::PerVertexAngleWeighted(expected);
+  vcg::tri::UpdateBounding<CMeshO>::Box(expected);
   std::vector<char> near(host.vert.size(), 0);
   for (std::size_t f = 0; f < host.face.size(); ++f) {
-    bool touched = false;
-    for (int k = 0; k < 3; ++k) {
-      touched = touched || vcg::tri::Index(host, host.face[f].cV(k)) == moved;
-    }
+    std::size_t corners[3];
+    for (int k = 0; k < 3; ++k) corners[k] = vcg::tri::Index(host, host.face[f].cV(k));
+    const bool touched = std::count(corners, corners + 3, moved) > 0;
     EXPECT_LT((host.face[f].cN() - (touched ? expected.face[f].cN() : mark)).Norm(), 1e-5) << f;
-    for (int k = 0; touched && k < 3; ++k) {
-      near[vcg::tri::Index(host, host.face[f].cV(k))] = 1;
-    }
+    for (const std::size_t v : corners) near[v] |= static_cast<char>(touched);
   }
   for (std::size_t v = 0; v < host.vert.size(); ++v) {
     EXPECT_LT((host.vert[v].cN() - (near[v] ? expected.vert[v].cN() : mark)).Norm(), 2e-5) << v;
@@ -149,23 +127,17 @@ TEST(MeshBridge, DiagonalOfAMeshWithoutFiniteVerticesIsZero) {
   EXPECT_EQ(finite_diagonal(host), 0);
   fill(host, shapes::grid(2, 2));
   EXPECT_NEAR(finite_diagonal(host), std::sqrt(2.0), 1e-12);
-  for (CVertexO& vertex : host.vert) {
-    vertex.P()[0] = kNaN;
-  }
+  for (CVertexO& vertex : host.vert) vertex.P()[0] = std::numeric_limits<Scalarm>::quiet_NaN();
   EXPECT_EQ(finite_diagonal(host), 0);
 }
 
 TEST(MeshBridge, SelectionsSkipWhatIsDeleted) {
   CMeshO host;
   fill(host, shapes::grid(4, 4));
-  for (const int v : {0, 5, 6, 15}) {
-    host.vert[v].SetS();
-  }
-  host.face[0].SetS();
-  host.face[2].SetS();
-  host.face[3].SetS();
-  vcg::tri::Allocator<CMeshO>::DeleteFace(host, host.face[0]);
-  vcg::tri::Allocator<CMeshO>::DeleteVertex(host, host.vert[0]);
+  for (const int v : {0, 5, 6, 15}) host.vert[v].SetS();
+  for (const int f : {0, 2, 3}) host.face[f].SetS();
+  Allocator::DeleteFace(host, host.face[0]);
+  Allocator::DeleteVertex(host, host.vert[0]);
   const BridgedMesh bridged = read_mesh(host);
   EXPECT_EQ(selected_vertices(host, bridged.core_vertex), (std::vector<int>{4, 5, 14}));
   // Faces 2 and 3: host vertices 1, 5, 2 and 2, 5, 6.
@@ -177,22 +149,20 @@ TEST(MeshBridge, LeavesOwnAttributesAndTheTransformAlone) {
   CMeshO host;
   fill(host, shapes::icosphere(1));
   host.vert.EnableRadius();
-  auto own_float = vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<float>(host, "own");
+  auto own_float = Allocator::AddPerVertexAttribute<float>(host, "own");
   host.Tr.SetRotateDeg(40, Point3m(1, 2, 3));
   const Matrix44m transform = host.Tr;
   const auto number = [](std::size_t v) { return static_cast<float>(v) + 0.25f; };
-  for (std::size_t v = 0; v < host.vert.size(); ++v) {
-    host.vert[v].R() = own_float[v] = number(v);
-  }
+  for (std::size_t v = 0; v < host.vert.size(); ++v) host.vert[v].R() = own_float[v] = number(v);
   const BridgedMesh bridged = read_mesh(host);
-  write_positions(host, bridged, support::adjacency_of(bridged.mesh), shift(bridged, {0, 1, 2, 3, 20, 41}, {1, 2, 3}));
+  shift(host, bridged, {0, 1, 2, 3, 20, 41}, {1, 2, 3});
   ASSERT_EQ(host.vert[41].cP()[0], static_cast<Scalarm>(bridged.mesh.vertices(41, 0) + 1));
   for (std::size_t v = 0; v < host.vert.size(); ++v) {
     EXPECT_EQ(host.vert[v].cR(), number(v));
     EXPECT_EQ(own_float[v], number(v));
   }
   EXPECT_TRUE(host.Tr == transform);
-  vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(host, own_float);  // the mesh does not free it itself
+  Allocator::DeletePerVertexAttribute(host, own_float);  // the mesh does not free it itself
 }
 
 }  // namespace

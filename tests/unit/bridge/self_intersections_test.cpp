@@ -5,6 +5,7 @@
 #include <vcg/complex/algorithms/clean.h>
 
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "host_support.h"
@@ -30,23 +31,17 @@ std::vector<char> meeting(const TriangleMesh& mesh) {
 }
 
 int counted_by_vcglib(const TriangleMesh& mesh, const EditResult& result) {
-  TriangleMesh after = mesh;
-  for (std::size_t i = 0; i < result.vertices.size(); ++i) {
-    after.vertices.row(result.vertices[i]) = result.positions.row(static_cast<Eigen::Index>(i));
-  }
-  const std::vector<char> before = meeting(mesh), now = meeting(after);
+  const std::vector<char> before = meeting(mesh), now = meeting({support::edited(mesh, result), mesh.faces});
   int count = 0;
-  for (std::size_t k = 0; k < now.size(); ++k) {
-    count += now[k] && !before[k];
-  }
+  for (std::size_t k = 0; k < now.size(); ++k) count += now[k] && !before[k];
   return count;
 }
 
 /// A limb whose tip is pulled by some way.
-EditResult pulled(const TriangleMesh& mesh, const Vector3& way, double radius = 7) {
+EditResult pulled(const TriangleMesh& mesh, const Vector3& way) {
   EditStep step;
   step.settings = EditSettings::of(EditMethod::Linear);  // which lets it fold
-  step.region.radius = radius;
+  step.region.radius = 7;
   step.handles = {{{static_cast<int>(mesh.vertices.rows()) - 1}, {}}};
   step.handles[0].transform.translation = way;
   return support::apply_step(mesh, step, 1, StoredScalar::Float);
@@ -86,9 +81,8 @@ TEST(SelfIntersections, OfPiecesAreThoseThatAreNew) {
       const auto moved_by = [&](double from, double to) {
         TriangleMesh both = shapes::together(ball, ball, Vector3(from, 0.011, 0.007));
         EditResult result;
-        for (int v = n; v < 2 * n; ++v) {
-          result.vertices.push_back(v);
-        }
+        result.vertices.resize(n);
+        std::iota(result.vertices.begin(), result.vertices.end(), n);
         both.vertices = (size * both.vertices).rowwise() + size * position * Vector3::Ones().transpose();
         result.positions = both.vertices.bottomRows(n).rowwise() + size * Vector3(to - from, 0, 0).transpose();
         const int found = new_self_intersections(both, result);
