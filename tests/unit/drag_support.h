@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <chrono>
 #include <map>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
-#include "lapedit/base/error.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/drag_session.h"
 #include "shapes.h"
@@ -80,12 +77,8 @@ class Window {
       : view(std::move(seen)),
         session(stored(mesh), StoredScalar::Float, {[this](const std::string& line) { log.push_back(line); }, {}}),
         host_(stored(mesh).vertices) {
-    // Handles of one vertex, unless a test says otherwise.
-    DragSettings settings = session.settings();
-    settings.handle_fraction = 0;
-    settings.first_radius = 0;  // regions by radius
-    session.set_settings(settings);
-    session.wait();
+    // Handles of one vertex and regions by radius, unless a test says otherwise.
+    change([](DragSettings& s) { s.handle_fraction = s.first_radius = 0; });
   }
   explicit Window(const TriangleMesh& mesh) : Window(mesh, view_from_above(mesh.vertices)) {}
 
@@ -100,14 +93,14 @@ class Window {
     session.wait();
   }
   /// Press, three moves, release, result.
-  void drag(int vertex, const Vector2& displacement, PressModifiers modifiers = {}) {
-    const Vector2 from = at(vertex).pixel;
-    press(vertex, modifiers);
-    for (const double fraction : {0.3, 0.7, 1.0}) {
-      session.move(at(from + fraction * displacement));
-    }
-    session.release(at(from + displacement));
+  void drag(const Cursor& from, const Vector2& displacement, PressModifiers modifiers = {}) {
+    session.press(from, modifiers);
+    for (const double fraction : {0.3, 0.7, 1.0}) session.move(at(from.pixel + fraction * displacement));
+    session.release(at(from.pixel + displacement));
     session.wait();
+  }
+  void drag(int vertex, const Vector2& displacement, PressModifiers modifiers = {}) {
+    drag(at(vertex), displacement, modifiers);
   }
   /// Changes settings, as a panel does.
   template <class Change>
@@ -117,28 +110,23 @@ class Window {
     session.set_settings(settings);
     session.wait();
   }
-  void sizes(double radius, double fraction) {
+  void sizes(double radius, double fraction = 0) {
     change([=](DragSettings& s) { s.radius = radius, s.handle_fraction = fraction; });
   }
   void undo(int times = 1) {
-    for (int k = 0; k < times; ++k) {
-      session.undo();
-      session.wait();
-    }
+    for (; times > 0; --times) session.undo(), session.wait();
   }
   void redo(int times = 1) {
-    for (int k = 0; k < times; ++k) {
-      session.redo();
-      session.wait();
-    }
+    for (; times > 0; --times) session.redo(), session.wait();
   }
   void keys(const std::string& text, const Vector2& pixel = Vector2(kWidth / 2, kHeight / 2)) {
-    for (const char key : text) {
-      session.key(key_of(key), at(pixel));
-    }
+    for (const char key : text) session.key(key_of(key), at(pixel));
     session.wait();
   }
 
+  const std::vector<std::vector<int>>& groups() const { return session.selection().groups; }
+  /// The first handle of a step of the record.
+  HandleGroup recorded(std::size_t step = 0) const { return session.recorded().steps.at(step).handles.at(0); }
   const std::vector<int>& region() const { return session.shown().region()->mesh_vertex; }
   bool says(const std::string& text) const { return session.message().find(text) != std::string::npos; }
   /// The preview under the cursor with its outlines, null if none appears.
@@ -155,8 +143,7 @@ class Window {
     const Edit edit = session.recorded();
     Points replayed = session.original().vertices;
     if (!edit.steps.empty()) {
-      const EditResult result = apply_edit(session.original(), edit, 1, StoredScalar::Float);
-      scatter(result.vertices, result.positions, replayed);
+      replayed = edited(session.original(), apply_edit(session.original(), edit, 1, StoredScalar::Float));
     }
     EXPECT_TRUE(same_bits(replayed, session.mesh().vertices));
   }
@@ -170,14 +157,8 @@ class Window {
     }
     return host_;
   }
-  int poses() {
-    host();
-    return poses_;
-  }
-  bool settled() {
-    host();
-    return settled_;
-  }
+  int poses() { return host(), poses_; }
+  bool settled() { return host(), settled_; }
 
   Camera view;
   std::vector<std::string> log;
