@@ -23,16 +23,5 @@ TEST(DragKey, EachIsTheUsersToReadOnce) {
   EXPECT_EQ(next, static_cast<int>(DragKey::Help) + 1);
 }
 
-TEST(DragKey, AmountsAreTyped) {
-  std::string typed;
-  for (int key = 0; key <= static_cast<int>(DragKey::Help); ++key) {
-    if (const auto character = typed_character(static_cast<DragKey>(key))) {
-      typed += *character;
-    }
-  }
-  EXPECT_EQ(typed, "0123456789.-%");
-  EXPECT_EQ(typed_character(digit_key(7)), '7');
-}
-
 }  // namespace
 }  // namespace lapedit::drag_key_test

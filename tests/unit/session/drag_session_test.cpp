@@ -173,7 +173,9 @@ TEST(DragSession, NextClickAbandonsWhatIsPrepared) {
 TEST(DragSession, TypedAmountsAreExact) {
   play(
       "click 30,30; keys tx1.5; enter; recorded 0 translation 1.5 0 0; keys ty-2; enter; recorded 1 translation 0 -2 "
-      "0; keys tz0.125; enter; recorded 2 translation 0 0 0.125; keys txy3; enter; recorded 3 translation 0 3 0",
+      "0; keys tz0.125; enter; recorded 2 translation 0 0 0.125; keys txy3; enter; recorded 3 translation 0 3 0; set "
+      "radius 9; keys "
+      "tz7864%; enter; recorded 4 translation 0 0 707.76",
       hills());
 }
 

@@ -16,51 +16,49 @@
 namespace lapedit::hover_test {
 namespace {
 
+/// A grid, and the background that searches it.
+struct Searched {
+  explicit Searched(int side) : mesh(std::make_shared<const TriangleMesh>(shapes::grid(side, side))) {
+    EXPECT_EQ(background.of(mesh, adjacency), nullptr);
+    background.wait();
+    used = background.of(mesh, adjacency);
+    EXPECT_NE(used, nullptr);
+  }
+  const std::shared_ptr<const TriangleMesh> mesh;
+  const std::shared_ptr<const Adjacency> adjacency = std::make_shared<const Adjacency>(support::adjacency_of(*mesh));
+  HoverBackground background{[] {}};
+  const HoverSearch* used = nullptr;
+};
+
 TEST(Hover, SearchInUseStaysWhenAnotherIsReady) {
-  const auto mesh = std::make_shared<const TriangleMesh>(shapes::grid(5, 5));
-  const auto other = std::make_shared<const TriangleMesh>(*mesh);
-  const auto adjacency = std::make_shared<const Adjacency>(build_adjacency(25, mesh->faces));
-  HoverBackground background([] {});
-  EXPECT_EQ(background.of(mesh, adjacency), nullptr);
-  background.wait();
-  const HoverSearch* const used = background.of(mesh, adjacency);
-  ASSERT_NE(used, nullptr);
-  EXPECT_EQ(background.of(other, adjacency), nullptr);  // a step, which is undone before its search is ready
-  background.wait();
-  EXPECT_EQ(background.of(mesh, adjacency), used);
-  EXPECT_EQ(background.latest(), used);
-  EXPECT_NE(background.of(other, adjacency), nullptr);
+  Searched grid(5);
+  const auto other = std::make_shared<const TriangleMesh>(*grid.mesh);
+  EXPECT_EQ(grid.background.of(other, grid.adjacency), nullptr);  // a step, which is undone before its search is ready
+  grid.background.wait();
+  EXPECT_EQ(grid.background.of(grid.mesh, grid.adjacency), grid.used);
+  EXPECT_EQ(grid.background.latest(), grid.used);
+  EXPECT_NE(grid.background.of(other, grid.adjacency), nullptr);
 }
 
 TEST(Hover, OfSeveralQueriesTheLastIsAnswered) {
-  const auto mesh = std::make_shared<const TriangleMesh>(shapes::grid(60, 60));
-  const auto adjacency = std::make_shared<const Adjacency>(build_adjacency(3600, mesh->faces));
-  HoverBackground background([] {});
-  background.of(mesh, adjacency);
-  background.wait();
-  ASSERT_NE(background.of(mesh, adjacency), nullptr);
+  Searched grid(60);
   HoverQuery query;
-  for (int vertex = 1800; vertex < 1830; ++vertex) {
-    query.vertex = vertex;
-    query.radius = 12;
-    query.disc = 3;
-    background.outlines(query);
-  }
-  EXPECT_TRUE(background.finds_outlines());
-  const HoverOutlines* found = nullptr;
+  query.radius = 12;
+  query.disc = 3;
+  for (query.vertex = 1800; query.vertex < 1829; ++query.vertex) grid.background.outlines(query);
+  const HoverOutlines* found = grid.background.outlines(query);
+  EXPECT_TRUE(grid.background.finds_outlines());
   for (int answers = 0; answers < 3 && found == nullptr; ++answers) {
-    background.wait();
-    found = background.outlines(query);
+    grid.background.wait();
+    found = grid.background.outlines(query);
   }
   ASSERT_NE(found, nullptr);
-  EXPECT_FALSE(background.finds_outlines());
-  const HoverOutlines expected = HoverSearch(*mesh, *adjacency).outlines(query);
+  EXPECT_FALSE(grid.background.finds_outlines());
+  const HoverOutlines expected = HoverSearch(*grid.mesh, *grid.adjacency).outlines(query);
   EXPECT_EQ(found->region, expected.region);
   EXPECT_EQ(found->disc, expected.disc);
   EXPECT_GT(found->region.rows(), 20);
 }
-
-// --- Errors ---------------------------------------------------------------------------------------------------------
 
 /// While this lives, larger allocations fail.
 struct MemoryLimit {
@@ -88,9 +86,7 @@ void poll_until_idle(DragSession& session) {
 }
 
 TEST(Hover, SearchWithoutMemoryIsReportedAndThePressAfterItTriesAgain) {
-  if (!MemoryLimit::works()) {
-    GTEST_SKIP();
-  }
+  if (!MemoryLimit::works()) GTEST_SKIP();
   std::string log;
   const TriangleMesh mesh = shapes::grid(200, 200);
   DragSession session(mesh, StoredScalar::Double, {[&log](const std::string& line) { log = line; }, {}});
@@ -103,52 +99,50 @@ TEST(Hover, SearchWithoutMemoryIsReportedAndThePressAfterItTriesAgain) {
   }
   EXPECT_FALSE(session.searching());
   EXPECT_FALSE(session.busy());
-  EXPECT_NE(session.message().find("not enough memory"), std::string::npos) << session.message();
-  EXPECT_NE(log.find("not enough memory"), std::string::npos);
+  support::expect_contains(session.message(), "not enough memory");
+  support::expect_contains(log, "not enough memory");
   EXPECT_FALSE(session.press(cursor));
   session.wait();
   EXPECT_TRUE(session.press(cursor));
 }
 
-TEST(Hover, OutlinesWithoutMemoryAreReportedAndThePressAfterItTriesAgain) {
-  if (!MemoryLimit::works()) {
-    GTEST_SKIP();
+/// Where a press takes the radius that the outlines under the cursor have.
+class HoverPress : public testing::Test {
+ protected:
+  void show_outlines(double radius) {
+    window.change([radius](DragSettings& s) { s.radius = s.first_radius = radius; });
+    ASSERT_TRUE(window.hovered(window.at(20100)));
+    ASSERT_GT(window.session.hover()->region.rows(), 5 * radius);
   }
-  support::Window window(shapes::grid(200, 200));
-  DragSettings settings = window.session.settings();
-  settings.radius = settings.first_radius = 60;  // a press takes the radius that the outlines have
-  window.session.set_settings(settings);
-  window.session.hover(window.at(20100), {});
-  window.session.wait();
-  ASSERT_GT(window.session.hover()->region.rows(), 300);
-  const int other = 19900;
-  {
-    const MemoryLimit limit(4000);
-    window.press(other);  // waits for its outlines
-    window.session.release(window.at(other));
-    poll_until_idle(window.session);
-  }
-  EXPECT_TRUE(window.session.selection().groups.empty());
-  EXPECT_FALSE(window.session.busy());
-  EXPECT_TRUE(window.says("not enough memory")) << window.session.message();
-  window.click(other);
-  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{other}});
-}
-
-TEST(Hover, PressesThatComeBeforeTheirOutlinesAreTakenInOrder) {
-  support::Window window(shapes::grid(200, 200));
-  DragSettings settings = window.session.settings();
-  settings.radius = settings.first_radius = 20;
-  window.session.set_settings(settings);
-  window.session.hover(window.at(20100), {});
-  window.session.wait();
-  for (const int vertex : {10050, 30150}) {
+  void tap(int vertex) {
     window.press(vertex);
     window.session.release(window.at(vertex));
   }
+
+  support::Window window{shapes::grid(200, 200)};
+};
+
+TEST_F(HoverPress, OutlinesWithoutMemoryAreReportedAndThePressAfterItTriesAgain) {
+  if (!MemoryLimit::works()) GTEST_SKIP();
+  show_outlines(60);
+  {
+    const MemoryLimit limit(4000);
+    tap(19900);  // waits for its outlines
+    poll_until_idle(window.session);
+  }
+  EXPECT_TRUE(window.groups().empty());
+  EXPECT_FALSE(window.session.busy());
+  EXPECT_TRUE(window.says("not enough memory")) << window.session.message();
+  window.click(19900);
+  EXPECT_EQ(window.groups(), std::vector<std::vector<int>>{{19900}});
+}
+
+TEST_F(HoverPress, PressesThatComeBeforeTheirOutlinesAreTakenInOrder) {
+  show_outlines(20);
+  for (const int vertex : {10050, 30150}) tap(vertex);
   poll_until_idle(window.session);
   EXPECT_FALSE(window.session.busy());
-  EXPECT_EQ(window.session.selection().groups, std::vector<std::vector<int>>{{30150}});
+  EXPECT_EQ(window.groups(), std::vector<std::vector<int>>{{30150}});
 }
 
 }  // namespace

@@ -30,15 +30,14 @@ PrepareTask task_on(const TriangleMesh& mesh, int handle, double radius) {
   return task;
 }
 
-PrepareTask task_for(int handle, double radius = 8) {
-  static const PrepareTask task = task_on(shapes::bumpy_grid(), 0, 1);
+PrepareTask small_task(double radius = 8) {
+  static const PrepareTask task = task_on(shapes::bumpy_grid(), 3030, 1);
   PrepareTask copy = task;
   copy.region.radius = radius;
-  copy.groups = {{handle}};
   return copy;
 }
 
-constexpr int kHandle = 3030;
+const std::vector<HandleMotion> kUp = {support::shift(Vector3(0, 0, 1))};
 
 /// All that comes until the worker rests.
 struct Followed {
@@ -46,6 +45,8 @@ struct Followed {
   std::vector<SolverPose> poses;
   int before_ready = 0;  // poses that came before the region was prepared
 
+  Followed() = default;
+  explicit Followed(SolverThread& worker, bool to_the_first_pose = false) { listen(worker, to_the_first_pose); }
   void listen(SolverThread& worker, bool to_the_first_pose = false) {
     while (worker.wait()) {
       SolverPose pose;
@@ -54,17 +55,11 @@ struct Followed {
         before_ready += !all.ready && !update.ready;
         poses.push_back(pose);
       }
-      all.region = update.region ? update.region : all.region;
-      all.report = update.report ? update.report : all.report;
-      all.applied = update.applied ? update.applied : all.applied;
       all.preview |= update.preview;
       all.ready |= update.ready;
-      all.pose |= update.pose;
       all.error += update.error;
       all.pose_error += update.pose_error;
-      if (to_the_first_pose && update.pose) {
-        return;
-      }
+      if (to_the_first_pose && update.pose) return;
     }
   }
   /// The longest displacement of a vertex from one pose to the next.
@@ -77,18 +72,10 @@ struct Followed {
   }
 };
 
-/// @param pose  the last one
-SolverUpdate all_updates(SolverThread& worker, SolverPose& pose) {
-  Followed seen;
-  seen.listen(worker);
-  pose = seen.poses.empty() ? pose : seen.poses.back();
-  return seen.all;
-}
-
 TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {
   SolverThread worker(nullptr);
   SolverPose pose;
-  worker.prepare(task_for(kHandle, 25));
+  worker.prepare(small_task(25));
   int serial = 0;
   for (int i = 1; i <= 1000; ++i) {
     serial = worker.solve({support::shift(Vector3(0, 0, 0.01 * i))}, i == 1000);
@@ -114,7 +101,7 @@ TEST(SolverThread, CancelAtAnyMomentDropsAll) {
       }
     });
     own = &worker;
-    worker.prepare(task_for(kHandle));
+    worker.prepare(small_task());
     for (int wait = 0; calls < last && wait < 1000; ++wait) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -130,13 +117,11 @@ TEST(SolverThread, WithoutAThreadForALargeRegionItSaysSo) {
   SolverThread worker(nullptr);
   {
     const support::NoThreads none;
-    worker.prepare(task_on(shapes::grid(140, 140), kHandle, 100));
-    SolverPose pose;
-    EXPECT_NE(all_updates(worker, pose).error.find("allows no more threads"), std::string::npos);
+    worker.prepare(task_on(shapes::grid(140, 140), 3030, 100));
+    support::expect_contains(Followed(worker).all.error, "allows no more threads");
   }
-  worker.prepare(task_for(kHandle));
-  SolverPose pose;
-  EXPECT_TRUE(all_updates(worker, pose).ready);
+  worker.prepare(small_task());
+  EXPECT_TRUE(Followed(worker).all.ready);
 }
 
 TEST(SolverThread, IsRefusedInASentenceWhereNoThreadCanBeHad) {
@@ -145,37 +130,34 @@ TEST(SolverThread, IsRefusedInASentenceWhereNoThreadCanBeHad) {
     const SolverThread worker(nullptr);
     FAIL();
   } catch (const std::exception& error) {
-    EXPECT_NE(std::string(error.what()).find("allows no more threads: end some programs"), std::string::npos);
+    support::expect_contains(error.what(), "allows no more threads: end some programs");
   }
 }
 #endif
 
 TEST(SolverThread, ErrorsAreSentences) {
   SolverThread worker(nullptr);
-  SolverPose pose;
-  worker.prepare(task_for(kHandle, 0.01));
-  EXPECT_NE(all_updates(worker, pose).error.find("handle alone"), std::string::npos);
-  worker.solve({support::shift(Vector3(0, 0, 1))}, true);
-  EXPECT_FALSE(all_updates(worker, pose).pose);
+  worker.prepare(small_task(0.01));
+  support::expect_contains(Followed(worker).all.error, "handle alone");
+  worker.solve(kUp, true);
+  EXPECT_TRUE(Followed(worker).poses.empty());
   EXPECT_FALSE(worker.busy());  // not waiting for ever for a region that cannot be had
-  worker.prepare(task_for(kHandle));
+  worker.prepare(small_task());
   worker.solve({support::shift(Vector3(std::nan(""), 0, 0))}, true);
-  const SolverUpdate update = all_updates(worker, pose);
-  EXPECT_NE(update.pose_error.find("finite"), std::string::npos);
-  worker.solve({support::shift(Vector3(0, 0, 1))}, true);
-  EXPECT_TRUE(all_updates(worker, pose).pose);
+  support::expect_contains(Followed(worker).all.pose_error, "finite");
+  worker.solve(kUp, true);
+  EXPECT_FALSE(Followed(worker).poses.empty());
 }
 
 TEST(SolverThread, WakesItsOwnerForEachPieceOfNews) {
   std::atomic<int> woken{0};
   SolverThread worker([&woken] { ++woken; });
-  SolverPose pose;
-  worker.prepare(task_for(kHandle));
-  all_updates(worker, pose);
+  worker.prepare(small_task());
+  Followed{worker};
   EXPECT_GE(woken, 2);
   const int before = woken;
-  worker.solve({support::shift(Vector3(0, 0, 1))}, false);
-  all_updates(worker, pose);
+  worker.solve(kUp, false);
+  Followed{worker};
   EXPECT_GT(woken, before);
 }
 
@@ -203,11 +185,8 @@ const std::vector<HandleMotion> kLifted = {support::shift(Vector3(0.1, 0, 0.5))}
 /// What holds whenever these threads get their time: a busy machine has several tries. @param look  @return whether
 template <class Look>
 bool seen_in_some_try(const Look& look) {
-  constexpr int kTries = 10;
-  for (int k = 0; k < kTries; ++k) {
-    if (look()) {
-      return true;
-    }
+  for (int k = 0; k < 10; ++k) {
+    if (look()) return true;
   }
   return false;
 }
@@ -223,8 +202,7 @@ TEST(FirstFrames, FollowsFirstAndBecomesThePose) {
       SolverThread worker(nullptr);
       worker.prepare(task);
       const int serial = worker.solve(kLifted, false);
-      Followed seen;
-      seen.listen(worker);
+      const Followed seen(worker);
       EXPECT_TRUE(seen.all.preview && seen.all.ready);
       EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
       for (const SolverPose& pose : seen.poses) {
@@ -266,8 +244,7 @@ TEST(FirstFrames, WhatIsReleasedBeforeTheRegionIsPreparedIsExact) {
     SolverThread worker(nullptr);
     worker.prepare(task);
     worker.solve({support::shift(Vector3(0.1, 0, 0.4))}, false);
-    Followed seen;
-    seen.listen(worker, true);
+    Followed seen(worker, true);
     const bool early = !seen.all.ready;
     const int serial = worker.solve(kLifted, true);
     seen.listen(worker);
@@ -284,54 +261,49 @@ TEST(FirstFrames, NothingComesAfterCancel) {
   SolverThread worker(nullptr);
   worker.prepare(large_task());
   worker.solve(kLifted, false);
-  Followed seen;
-  seen.listen(worker, true);
+  Followed(worker, true);
   worker.cancel();
-  Followed after;
-  after.listen(worker);
+  const Followed after(worker);
   EXPECT_TRUE(after.poses.empty());
   EXPECT_FALSE(after.all.ready);
   EXPECT_FALSE(worker.busy());
+}
+
+PrepareTask other_task() {
+  PrepareTask task = large_task();
+  task.groups = {{support::vertex_at(*task.mesh, {1.2, 1, 0})}};
+  return task;
 }
 
 TEST(FirstFrames, AnotherRegionHasFramesWhileTheOldOneIsStillPrepared) {
   SolverThread worker(nullptr);
   worker.prepare(large_task());
   worker.solve(kLifted, false);
-  Followed first;
-  first.listen(worker, true);
-  PrepareTask other = large_task();
-  other.groups = {{support::vertex_at(*other.mesh, {1.2, 1, 0})}};
-  worker.prepare(other);
+  Followed(worker, true);
+  worker.prepare(other_task());
   worker.solve(kLifted, true);
-  Followed second;
-  second.listen(worker);
+  const Followed second(worker);
   ASSERT_TRUE(second.all.ready);
-  EXPECT_TRUE(support::same_bits(second.poses.back().positions, exact_pose(other, kLifted)));
+  EXPECT_TRUE(support::same_bits(second.poses.back().positions, exact_pose(other_task(), kLifted)));
 }
 
 TEST(FirstFrames, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
   SolverThread worker(nullptr);
-  PrepareTask other = large_task();
-  other.groups = {{support::vertex_at(*other.mesh, {1.2, 1, 0})}};
   PrepareTask small = large_task();
   small.region.radius = 0.1;
   const Points exact = exact_pose(small, kLifted);
   for (int round = 0; round < 6; ++round) {
     worker.prepare(large_task());
     worker.solve(kLifted, false);
-    Followed first;
-    first.listen(worker, true);
+    Followed(worker, true);
     std::this_thread::sleep_for(std::chrono::milliseconds(20 * round));  // into a stage that cannot be left
-    worker.prepare(other);                                               // waits for the first one to end
+    worker.prepare(other_task());                                        // waits for the first one to end
     worker.solve(kLifted, false);
-    Followed second;
-    second.listen(worker, true);
+    Followed(worker, true);
     worker.prepare(small);
     for (int k = 0; k < 20; ++k) {  // while those end
       worker.solve(kLifted, true);
-      Followed third;
-      third.listen(worker);
+      const Followed third(worker);
       ASSERT_FALSE(third.poses.empty());
       EXPECT_TRUE(support::same_bits(third.poses.back().positions, exact));
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -342,8 +314,8 @@ TEST(FirstFrames, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
 TEST(SolverThread, EndsInTheMiddleOfItsWork) {
   for (int i = 0; i < 20; ++i) {
     SolverThread worker(nullptr);
-    worker.prepare(task_for(kHandle, 30));
-    worker.solve({support::shift(Vector3(0, 0, 1))}, false);
+    worker.prepare(small_task(30));
+    worker.solve(kUp, false);
   }
 }
 
