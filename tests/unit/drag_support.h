@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -73,9 +74,10 @@ inline DragKey key_of(char character) {
 
 class Window {
  public:
-  Window(const TriangleMesh& mesh, Camera seen)
+  /// @param wake  as SessionCallbacks has it
+  Window(const TriangleMesh& mesh, Camera seen, const std::function<void()>& wake = {})
       : view(std::move(seen)),
-        session(stored(mesh), StoredScalar::Float, {[this](const std::string& line) { log.push_back(line); }, {}}),
+        session(stored(mesh), StoredScalar::Float, {[this](const std::string& line) { log.push_back(line); }, wake}),
         host_(stored(mesh).vertices) {
     // Handles of one vertex and regions by radius, unless a test says otherwise.
     change([](DragSettings& s) { s.handle_fraction = s.first_radius = 0; });

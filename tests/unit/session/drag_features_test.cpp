@@ -36,16 +36,26 @@ struct Given {
   int levels;
   double size;
 };
-class DragFeatures : public testing::TestWithParam<Given> {};
+
+/// A creature with the settings of a newcomer, who knows the tip of its horn and two positions on its ball.
+class DragFeatures : public testing::TestWithParam<Given> {
+ protected:
+  explicit DragFeatures(bool with_eye = false)
+      : size(GetParam().size), window(creature(GetParam().levels, with_eye, size)) {
+    as_found(window);
+  }
+  int vertex_at(double x, double y, double z) const {
+    return support::vertex_at(window.session.mesh(), size * Vector3(x, y, z));
+  }
+
+  const double size;
+  Window window;
+  const int tip = vertex_at(2, 0, 0), pole = vertex_at(0, 0, 1);
+};
 INSTANTIATE_TEST_SUITE_P(Sizes, DragFeatures, testing::Values(Given{4, 1}, Given{5, 0.01}, Given{5, 300}));
 
 TEST_P(DragFeatures, FirstRadiusIsThatOfTheProtrusion) {
-  const auto [levels, size] = GetParam();
-  Window window(creature(levels, false, size));
-  as_found(window);
   const double usual = window.session.settings().first_radius;
-  const int tip = support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0));
-  const int side = support::vertex_at(window.session.mesh(), size * Vector3(-0.5, 0, 0.87));
   const HoverPreview* const preview = window.hovered(window.at(tip, Vector2(-2, 0)));
   ASSERT_NE(preview, nullptr);
   const double shown = preview->radius;
@@ -55,11 +65,9 @@ TEST_P(DragFeatures, FirstRadiusIsThatOfTheProtrusion) {
   EXPECT_GT(radius, 0.9 * size);
   EXPECT_LT(radius, 1.9 * size);
   // The horn follows, the other side of the ball does not.
-  for (const int v : window.region()) {
-    EXPECT_GT(window.session.mesh().vertices(v, 0), 0.3 * size);
-  }
+  for (const int v : window.region()) EXPECT_GT(window.session.mesh().vertices(v, 0), 0.3 * size);
   window.session.clear();
-  window.click(side);
+  window.click(vertex_at(-0.5, 0, 0.87));
   EXPECT_EQ(window.session.settings().radius, usual) << "nothing stands out there";
   EXPECT_EQ(window.session.settings().first_radius, usual);
 }
@@ -106,11 +114,7 @@ TEST(DragPerson, RegionWithMostOfItsPieceSaysSo) {
 }
 
 TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
-  const auto [levels, size] = GetParam();
-  Window window(creature(levels, false, size));
-  as_found(window);
-  window.change([size = size](DragSettings& s) { s.radius = 0.5 * size; });
-  const int tip = support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0));
+  window.change([this](DragSettings& s) { s.radius = 0.5 * size; });
   window.click(tip);
   EXPECT_EQ(window.session.settings().radius, 0.5 * size);
   EXPECT_EQ(window.session.settings().first_radius, 0);
@@ -123,29 +127,25 @@ TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
 }
 
 TEST_P(DragFeatures, HandleIsAFractionOfTheRadiusShown) {
-  const auto [levels, size] = GetParam();
-  Window window(creature(levels, false, size));
-  as_found(window);
-  window.click(support::vertex_at(window.session.mesh(), size * Vector3(2, 0, 0)));
-  const std::vector<std::vector<int>> handle = window.session.selection().groups;
+  window.click(tip);
+  const std::vector<std::vector<int>> handle = window.groups();
   const std::size_t region = window.region().size();
-  window.change([](DragSettings& s) {
-    s.radius *= 1.5;
-    s.handle_fraction /= 1.5;
-  });
-  EXPECT_EQ(window.session.selection().groups, handle);
+  window.change([](DragSettings& s) { s.radius *= 1.5, s.handle_fraction /= 1.5; });
+  EXPECT_EQ(window.groups(), handle);
   EXPECT_GT(window.region().size(), region);
   window.change([](DragSettings& s) { s.handle_fraction *= 2; });
-  EXPECT_GT(window.session.selection().groups.at(0).size(), handle.at(0).size());
+  EXPECT_GT(window.groups().at(0).size(), handle.at(0).size());
 }
 
-TEST_P(DragFeatures, EyeComesAlongUnlessItIsExcluded) {
-  const auto [levels, size] = GetParam();
-  const TriangleMesh mesh = creature(levels, true, size);
-  const auto own = shapes::icosphere(levels).vertices.rows();
-  Window window(mesh);
+class DragEye : public DragFeatures {
+ protected:
+  DragEye() : DragFeatures(true) {}
+};
+INSTANTIATE_TEST_SUITE_P(Sizes, DragEye, testing::Values(Given{4, 1}, Given{5, 0.01}, Given{5, 300}));
+
+TEST_P(DragEye, ComesAlongUnlessItIsExcluded) {
+  const auto own = shapes::icosphere(GetParam().levels).vertices.rows();
   window.sizes(1.4 * size, 0.2);
-  const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
   window.click(pole);
   EXPECT_EQ(window.session.figures().pieces, 1);
   const Points before = window.host();
@@ -170,28 +170,19 @@ TEST_P(DragFeatures, EyeComesAlongUnlessItIsExcluded) {
 }
 
 TEST_P(DragFeatures, WideStretchIsWarnedOfUntilItIsUndone) {
-  const auto [levels, size] = GetParam();
-  Window window(creature(levels, false, size));
   window.sizes(0.8 * size, 0.2);
-  const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
   window.drag(pole, Vector2(10, 0));
   EXPECT_TRUE(window.session.warning().empty()) << window.session.warning();
   window.undo();
-  window.keys("tz");
-  window.keys(size == 300 ? "450" : size == 1 ? "1.5" : "0.015");
-  window.keys("\r");
-  EXPECT_NE(window.session.warning().find("of the region became more than 1.6 times as long"), std::string::npos)
-      << window.session.warning();
+  window.keys(size == 300 ? "tz450\r" : size == 1 ? "tz1.5\r" : "tz0.015\r");
+  support::expect_contains(window.session.warning(), "of the region became more than 1.6 times as long");
   window.undo();
   EXPECT_TRUE(window.session.warning().empty());
   EXPECT_FALSE(window.session.figures().report);
 }
 
 TEST_P(DragFeatures, FoldedTrianglesAreListed) {
-  const auto [levels, size] = GetParam();
-  Window window(creature(levels, false, size));
   window.sizes(0.6 * size, 0.4);
-  const int pole = support::vertex_at(window.session.mesh(), size * Vector3(0, 0, 1));
   window.drag(pole, Vector2(250, 0));
   ASSERT_TRUE(window.session.figures().report);
   const auto folds = window.session.figures().report->causes.folds;
@@ -199,9 +190,7 @@ TEST_P(DragFeatures, FoldedTrianglesAreListed) {
   const std::string count = std::to_string(folds.size()) + " triangle";
   EXPECT_EQ(window.session.warning().find(count), 0U) << window.session.warning();
   for (const auto& fold : folds) {
-    for (const int v : fold) {
-      EXPECT_TRUE(contains(window.region(), v));
-    }
+    for (const int v : fold) EXPECT_TRUE(contains(window.region(), v));
   }
 }
 

@@ -20,12 +20,8 @@ using support::Window;
 
 constexpr PressModifiers kAdd{true, false}, kShift{false, true};
 
-Window& with_brush(Window& window) {
-  window.change([](DragSettings& s) {
-    s.radius = 12;
-    s.brush_pixels = 12;
-  });
-  return window;
+void with_brush(Window& window) {
+  window.change([](DragSettings& s) { s.radius = s.brush_pixels = 12; });
 }
 
 TEST(DragPaint, EachTargetIsPaintedWithoutAKey) {
@@ -36,14 +32,6 @@ TEST(DragPaint, EachTargetIsPaintedWithoutAKey) {
       shapes::grid(60, 60));
 }
 
-/// Presses and goes to two further vertices with a single move each.
-void corner(Window& window, int from, int middle, int to) {
-  window.press(from);
-  window.session.move(window.at(middle));
-  window.session.move(window.at(to));
-  window.session.release(window.at(to));
-}
-
 /// Returns the vertices that are at most so many pixels from the way between two vertices.
 std::vector<int> band(const Window& window, int from, int to, double pixels) {
   std::vector<int> near;
@@ -51,24 +39,27 @@ std::vector<int> band(const Window& window, int from, int to, double pixels) {
   for (int v = 0; v < window.session.mesh().vertices.rows(); ++v) {
     const Vector2 off = window.at(v).pixel - start;
     const double along = std::clamp(off.dot(way) / way.squaredNorm(), 0.0, 1.0);
-    if ((off - along * way).norm() <= pixels) {
-      near.push_back(v);
-    }
+    if ((off - along * way).norm() <= pixels) near.push_back(v);
   }
   return near;
+}
+
+/// Presses and goes to two further vertices with a single move each.
+void corner(Window& window, PressModifiers modifiers = {}) {
+  window.press(at(50, 10), modifiers);
+  for (const int v : {at(50, 50), at(10, 50)}) window.session.move(window.at(v));
+  window.session.release(window.at(at(10, 50)));
 }
 
 TEST(DragPaint, StrokeIsABandAlongItsPath) {
   Window window(shapes::grid(60, 60));
   with_brush(window);
   window.session.set(&Tools::paint, BrushTarget::Anchors);
-  corner(window, at(10, 10), at(10, 50), at(50, 50));
-  const double pixels = window.session.settings().brush_pixels;
-  const std::vector<int> expected =
-      united(band(window, at(10, 10), at(10, 50), pixels), band(window, at(10, 50), at(50, 50), pixels));
-  EXPECT_EQ(window.session.selection().held, expected);
+  corner(window);
+  EXPECT_EQ(window.session.selection().held,
+            united(band(window, at(50, 10), at(50, 50), 12), band(window, at(50, 50), at(10, 50), 12)));
   EXPECT_FALSE(window.says("already kept fixed")) << "its last move painted nothing more";
-  corner(window, at(10, 10), at(10, 50), at(50, 50));
+  corner(window);
   EXPECT_TRUE(window.says("already kept fixed")) << "a stroke that paints nothing says why";
   window.undo();
   EXPECT_TRUE(window.session.selection().held.empty()) << "a stroke is one action";
@@ -82,15 +73,9 @@ TEST(DragPaint, MovesThatWaitForAStepArePaintedToo) {
     window.press(at(30, 20));
     window.session.move(window.at(at(30, 22)));
     window.session.release(window.at(at(30, 22)));
-    if (!waits) {
-      window.session.wait();
-    }
+    if (!waits) window.session.wait();
     ASSERT_EQ(window.session.state() == DragSession::State::Settling, waits);
-    window.session.press(window.at(at(50, 10)), kAdd);
-    for (const int v : {at(50, 50), at(10, 50)}) {
-      window.session.move(window.at(v));
-    }
-    window.session.release(window.at(at(10, 50)));
+    corner(window, kAdd);
     window.session.wait();
     painted[waits] = window.session.selection().region.vertices;
   }
@@ -106,15 +91,11 @@ TEST(DragPaint, InvertBlurAndClearChangeTheTargetAndAreUndone) {
       shapes::grid(60, 60));
 }
 
-TEST(DragPaint, VerticesThatTheMeshLacksAreRefused) {
+TEST(DragPaint, WhatIsNotThereIsRefused) {
   play(
       "keep a; anchors 30,30 60,0; says 'The mesh has 3600 vertices'; handle 0,-1 30,30; says 'The mesh has 3600 "
-      "vertices'; same held a; groups none",
+      "vertices'; same held a; groups none; paint handle; change invert; says 'Nothing is painted'",
       shapes::grid(60, 60));
-}
-
-TEST(DragPaint, HandleThatIsNotThereIsNotInverted) {
-  play("paint handle; change invert; says 'Nothing is painted'", shapes::grid(60, 60));
 }
 
 TEST(DragPaint, InvertedHandleStaysInItsRegion) {
@@ -128,14 +109,10 @@ TEST(DragPaint, InvertedHandleStaysInItsRegion) {
 TEST(DragFalloff, CurvesAreOfTheSameEndsAndOrdered) {
   std::vector<double> weights[4];
   for (int k = 0; k < 4; ++k) {
-    Window window(shapes::grid(60, 60));
-    window.change([k](DragSettings& s) {
-      s.radius = 12;
-      s.handle_fraction = 0.5;
-      s.falloff = static_cast<Falloff>(k);
-    });
-    window.click(kMiddle);
-    weights[k] = window.session.selection().weights.at(0);
+    support::Play played(shapes::grid(60, 60));
+    weights[k] = played.run("set radius 12 disc 0.5 falloff " + std::to_string(k) + "; click 30,30")
+                     .session.selection()
+                     .weights.at(0);
   }
   EXPECT_TRUE(weights[0].empty());
   const std::vector<double>&sharp = weights[1], &smooth = weights[2], &dome = weights[3];
@@ -160,35 +137,29 @@ TEST(DragPivot, DragTurnsAboutTheShoulderAndShiftMoves) {
   window.session.set(&Tools::pivot, Pivot::Boundary);
   EXPECT_TRUE(window.says("turns about the shoulder"));
   const Vector3 pivot = window.session.pivot_position();
-  const std::vector<int> handle = window.session.selection().groups.at(0);
+  const std::vector<int> handle = window.groups().at(0);
   const auto reach = [&] { return (centroid(window.session.mesh().vertices, handle) - pivot).norm(); };
   const double before = reach();
   window.drag(tip, Vector2(10, -90));
   ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
-  const HandleTransform turned = window.session.recorded().steps[0].handles[0].transform;
+  const HandleTransform turned = window.recorded().transform;
   EXPECT_GT(std::abs(turned.degrees), 10);
   EXPECT_TRUE(turned.center && turned.translation.isZero(0));
   EXPECT_NEAR(reach(), before, 1e-3 * before) << "the limb keeps its length";
   window.drag(tip, Vector2(-20, 30), kShift);
   ASSERT_EQ(window.session.figures().steps, 2) << window.session.message();
-  const HandleTransform moved = window.session.recorded().steps[1].handles[0].transform;
+  const HandleTransform moved = window.recorded(1).transform;
   EXPECT_EQ(moved.degrees, 0);
   EXPECT_GT(moved.translation.norm(), 0.1);
   window.expect_consistent();
   window.click(tip, kShift);
-  EXPECT_EQ(window.session.selection().groups.at(0).size(), handle.size() - 1) << "a click removes, as ever";
+  EXPECT_EQ(window.groups().at(0).size(), handle.size() - 1) << "a click removes, as ever";
 }
 
 TEST(DragPivot, SingleVertexTurnsAboutAPointToo) {
-  Window window(shapes::grid(60, 60));
-  window.change([](DragSettings& s) { s.radius = 12; });
-  window.click(kMiddle);
-  window.session.set(&Tools::pivot, Pivot::Point);
-  window.click(at(30, 36));
-  window.drag(kMiddle, Vector2(20, 60));
-  ASSERT_EQ(window.session.figures().steps, 1) << window.session.message();
-  EXPECT_NE(window.session.recorded().steps[0].handles[0].transform.degrees, 0);
-  window.expect_consistent();
+  support::Play played(shapes::grid(60, 60));
+  const Window& window = played.run("set radius 12; click 30,30; pivot point; click 30,36; drag 30,30 20 60; steps 1");
+  EXPECT_NE(window.recorded().transform.degrees, 0);
 }
 
 TEST(DragSteps, LoadedStepsKeepTheirNames) {
@@ -214,8 +185,8 @@ TEST(DragSteps, LoadedStepsKeepTheirNames) {
 void draw_lasso(Window& window, const Vector2& low, const Vector2& high, PressModifiers modifiers) {
   modifiers.lasso = true;
   window.session.press(window.at(low), modifiers);
-  for (const Vector2& corner : {Vector2(low.x(), high.y()), high, Vector2(high.x(), low.y())}) {
-    window.session.move(window.at(corner));
+  for (const Vector2& pixel : {Vector2(low.x(), high.y()), high, Vector2(high.x(), low.y())}) {
+    window.session.move(window.at(pixel));
   }
   window.session.release(window.at(Vector2(high.x(), low.y())));
   window.session.wait();
@@ -223,14 +194,8 @@ void draw_lasso(Window& window, const Vector2& low, const Vector2& high, PressMo
 
 TEST(DragLasso, PaintsWhatIsVisibleInside) {
   // A sheet above a larger one, which it hides in part.
-  TriangleMesh mesh = shapes::grid(30, 30);
-  const TriangleMesh above = shapes::grid(8, 8);
-  const auto below = static_cast<int>(mesh.vertices.rows());
-  const Eigen::Index faces = mesh.faces.rows();
-  mesh.vertices.conservativeResize(below + above.vertices.rows(), 3);
-  mesh.vertices.bottomRows(above.vertices.rows()) = above.vertices.rowwise() + Eigen::RowVector3d(10.25, 10.25, 3);
-  mesh.faces.conservativeResize(faces + above.faces.rows(), 3);
-  mesh.faces.bottomRows(above.faces.rows()) = above.faces.array() + below;
+  const TriangleMesh mesh = shapes::together(shapes::grid(30, 30), shapes::grid(8, 8), Vector3(10.25, 10.25, 3));
+  const int below = 900;
   Window window(mesh);
   const auto pixel = [&](double x, double y) { return window.view.pixel(Vector3(x, y, 0)); };
   const auto expected = [&](double low, double high, bool with_above) {

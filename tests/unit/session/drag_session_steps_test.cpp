@@ -28,13 +28,16 @@ using support::same_bits;
 using support::Window;
 using State = DragSession::State;
 
-constexpr PressModifiers kAdd{true, false};
-
-TEST(DragPress, WaitsForNothingBeforeTheSurfaceCanBeSearched) {
+/// A session with the settings of a newcomer: a press takes the radius of what stands out there.
+class DragPress : public testing::Test {
+ protected:
   const TriangleMesh mesh = support::stored(plate());
   const Camera view = support::view_from_above(mesh.vertices);
-  DragSession session(mesh, StoredScalar::Float, {});
   const Cursor cursor{view, view.pixel(mesh.vertices.row(kMiddle).transpose())};
+  DragSession session{mesh, StoredScalar::Float, {}};
+};
+
+TEST_F(DragPress, WaitsForNothingBeforeTheSurfaceCanBeSearched) {
   EXPECT_FALSE(session.press(cursor)) << "the view turns";
   session.release(cursor);
   session.wait();
@@ -46,12 +49,9 @@ TEST(DragPress, WaitsForNothingBeforeTheSurfaceCanBeSearched) {
   EXPECT_FALSE(session.selection().groups.empty());
 }
 
-TEST(DragPress, IsForgottenByEscBeforeItsRadiusIsKnown) {
-  const TriangleMesh mesh = support::stored(plate());
-  const Camera view = support::view_from_above(mesh.vertices);
-  DragSession session(mesh, StoredScalar::Float, {});
+TEST_F(DragPress, IsForgottenByEscBeforeItsRadiusIsKnown) {
+  session.searching();
   session.wait();
-  const Cursor cursor{view, view.pixel(mesh.vertices.row(kMiddle).transpose())};
   EXPECT_TRUE(session.press(cursor));
   EXPECT_TRUE(session.key(DragKey::Cancel));
   session.move({view, cursor.pixel + Vector2(20, 0)});
@@ -60,19 +60,15 @@ TEST(DragPress, IsForgottenByEscBeforeItsRadiusIsKnown) {
   EXPECT_TRUE(session.selection().groups.empty());
 }
 
-TEST(DragPress, AfterAStepIsHandledOnceTheNewPoseCanBeSearched) {
+TEST_F(DragPress, AfterAStepIsHandledOnceTheNewPoseCanBeSearched) {
   Window window(plate());
   window.press(kMiddle);
   window.session.move(window.at(kMiddle, Vector2(20, 10)));
   window.session.release(window.at(kMiddle, Vector2(20, 10)));
-  while (window.session.figures().steps == 0) {
-    window.session.poll();
-  }
+  while (window.session.figures().steps == 0) window.session.poll();
   EXPECT_FALSE(window.session.press(window.at(Vector2(1, 1)))) << "off the mesh";
-  window.press(at(50, 50));
-  window.session.release(window.at(at(50, 50)));
-  window.session.wait();
-  EXPECT_EQ(window.session.selection().groups, (std::vector<std::vector<int>>{{at(50, 50)}}));
+  window.click(at(50, 50));
+  EXPECT_EQ(window.groups(), (std::vector<std::vector<int>>{{at(50, 50)}}));
   window.expect_consistent();
 }
 
@@ -192,70 +188,45 @@ TEST(DragHandles, ChosenGroupsRotateAboutTheirCommonCentre) {
                                                    "keys rz90; enter; recorded 0 degrees 90 90 0"));
   const EditStep step = window.session.recorded().steps.at(0);
   ASSERT_TRUE(step.handles[0].transform.center);
-  const Vector3 middle =
-      (window.session.original().vertices.row(at(26, 30)) + window.session.original().vertices.row(at(34, 30)))
-          .transpose() /
-      2;
+  const Points rest = support::rows(window.session.original().vertices, {at(26, 30), at(34, 30)});
+  const Vector3 middle = rest.colwise().mean().transpose();
   EXPECT_LT((*step.handles[0].transform.center - middle).norm(), 1e-9);
   EXPECT_EQ(step.handles[1].transform.center, step.handles[0].transform.center);
-  const Vector3 before = window.session.original().vertices.row(at(26, 30)).transpose() - middle;
+  const Vector3 before = rest.row(0).transpose() - middle;
   const Vector3 after = window.host().row(at(26, 30)).transpose() - middle;
   EXPECT_LT((after - Vector3(-before.y(), before.x(), before.z())).norm(), 0.05);
 }
 
 /// A curve through three points, 5 vertices apart.
-void draw_mouth(Window& window) {
-  window.change([](DragSettings& s) { s.radius = 15; });
-  window.session.set(&Tools::mode, HandleMode::Curve);
-  for (const int v : {at(25, 30), at(30, 30), at(35, 30)}) {
-    window.click(v);
-  }
-  ASSERT_EQ(window.session.selection().groups.size(), 1U);
-  ASSERT_EQ(window.session.selection().discs.curves[0].points.size(), 3U);
-}
+constexpr const char* kMouth = "set radius 15; mode curve; click 25,30; click 30,30; click 35,30; count 1; points 3;";
 
 TEST(DragCurve, BendsByAPointWhileTheOthersHold) {
-  Window window(plate());
-  draw_mouth(window);
+  Play played;
+  Window& window = played.run(std::string(kMouth) + "drag 35,30 0 -30; recorded 0 targets 11");
   const Points rest = window.session.original().vertices;
-  window.drag(at(35, 30), Vector2(0, -30));
-  const HandleGroup handle = window.session.recorded().steps.at(0).handles.at(0);
-  ASSERT_EQ(handle.targets.size(), 11U);
+  const HandleGroup handle = window.recorded();
   std::vector<double> up;
   for (int i = 25; i <= 35; ++i) {
-    const auto k = static_cast<std::size_t>(std::find(handle.vertices.begin(), handle.vertices.end(), at(i, 30)) -
-                                            handle.vertices.begin());
-    up.push_back((handle.targets[k] - rest.row(at(i, 30)).transpose()).y());
+    up.push_back((handle.targets[index_in(handle.vertices, at(i, 30))] - rest.row(at(i, 30)).transpose()).y());
   }
-  for (int i = 0; i <= 5; ++i) {
-    EXPECT_EQ(up[i], 0) << i;
-  }
+  for (int i = 0; i <= 5; ++i) EXPECT_EQ(up[i], 0) << i;
   for (int i = 6; i <= 10; ++i) {
-    EXPECT_GT(up[i], up[i - 1]) << i;
     EXPECT_GT(up[i] - up[i - 1], i > 6 ? up[i - 1] - up[i - 2] : 0) << i;  // turns up more and more towards its end
   }
-  EXPECT_NEAR(window.host()(at(35, 30), 1) - rest(at(35, 30), 1), up[10], 0.02 * up[10]);
-  window.expect_consistent();
+  const auto way = [&](int i) { return window.host()(at(i, 30), 1) - rest(at(i, 30), 1); };
+  EXPECT_NEAR(way(35), up[10], 0.02 * up[10]);
   // The curve still bends, by another point: a smile.
-  window.drag(at(25, 30), Vector2(0, -30));
-  EXPECT_EQ(window.session.recorded().steps.at(1).handles.at(0).targets.size(), 11U);
-  EXPECT_GT(window.host()(at(25, 30), 1) - rest(at(25, 30), 1), 0.9 * up[10]);
-  EXPECT_LT(std::abs(window.host()(at(30, 30), 1) - rest(at(30, 30), 1)), 0.02 * up[10]);
-  window.expect_consistent();
+  played.run("drag 25,30 0 -30; recorded 1 targets 11");
+  EXPECT_GT(way(25), 0.9 * up[10]);
+  EXPECT_LT(std::abs(way(30)), 0.02 * up[10]);
   // Solved again with other settings, and taken back with its points.
-  window.change([](DragSettings& s) { s.edit.membrane = 100; });
-  window.expect_consistent();
-  window.undo(2);
-  EXPECT_TRUE(same_bits(window.host(), rest));
-  EXPECT_EQ(window.session.selection().discs.curves[0].points.size(), 3U);
+  played.run("set membrane 100; consistent; undo 2; same pose rest; points 3");
 }
 
 TEST(DragCurve, ClosedOneBendsOnBothSidesOfItsFirstPoint) {
   HandleCurve square;
-  for (const int v :
-       {at(20, 20), at(21, 20), at(22, 20), at(22, 21), at(22, 22), at(21, 22), at(20, 22), at(20, 21), at(20, 20)}) {
-    square.path.push_back(v);
-  }
+  square.path = {at(20, 20), at(21, 20), at(22, 20), at(22, 21), at(22, 22),
+                 at(21, 22), at(20, 22), at(20, 21), at(20, 20)};
   square.points = {0, 2, 4, 6, 8};
   const std::vector<int> group = sorted_set(square.path);
   for (const int point : {0, 4}) {
@@ -265,33 +236,20 @@ TEST(DragCurve, ClosedOneBendsOnBothSidesOfItsFirstPoint) {
   }
 }
 
+/// Bent by keys, the amount is the point's.
 TEST(DragCurve, PressBetweenItsPointsMovesAllOfIt) {
-  Window window(plate());
-  draw_mouth(window);
-  window.drag(at(33, 30), Vector2(0, -30));
-  EXPECT_TRUE(window.session.recorded().steps.at(0).handles.at(0).targets.empty());
-  // Bent by keys: the amount is the point's, and R turns the curve as a whole.
-  window.press(at(35, 30));
-  window.session.move(window.at(at(35, 30), Vector2(0, -10)));
-  window.keys("y2\r");
-  const HandleGroup bent = window.session.recorded().steps.at(1).handles.at(0);
-  ASSERT_EQ(bent.targets.size(), 11U);
-  window.expect_consistent();
+  play(std::string(kMouth) +
+       "drag 33,30 0 -30; recorded 0 targets 0; press 35,30; move 35,30 0 -10; keys y2; enter; recorded 1 targets 11");
 }
 
 TEST(DragCurve, NextPieceIsShownAsTheClickTakesIt) {
-  Window window(plate());
-  window.change([](DragSettings& s) { s.radius = 15; });
-  window.session.set(&Tools::mode, HandleMode::Curve);
-  window.click(at(25, 30));
+  Play played;
+  Window& window = played.run("set radius 15; mode curve; click 25,30");
   ASSERT_TRUE(window.hovered(window.at(at(31, 33))));
   const Points shown = window.session.hover()->path;
   window.click(at(31, 33));
   const std::vector<int>& path = window.session.selection().discs.curves[0].path;
-  ASSERT_EQ(shown.rows(), static_cast<Eigen::Index>(path.size()));
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    EXPECT_EQ(shown.row(static_cast<Eigen::Index>(i)), window.session.mesh().vertices.row(path[i])) << i;
-  }
+  EXPECT_EQ(shown, support::rows(window.session.mesh().vertices, path));
   ASSERT_TRUE(window.hovered(window.at(at(31, 33))));
   ASSERT_TRUE(window.session.hover()->curve_point);
   EXPECT_EQ(window.session.hover()->path.rows(), 0);
@@ -319,10 +277,10 @@ TEST(DragSteps, GoingBackPreparesOnceHoweverManyStepsItUndoes) {
   };
   const int one = prepared([&] { window.session.undo(); });
   window.redo();
-  EXPECT_EQ(prepared([&] { window.session.go_to(0); }), one);
-  EXPECT_TRUE(same_bits(window.host(), window.session.original().vertices));
-  EXPECT_EQ(prepared([&] { window.session.go_to(3); }), one);
-  EXPECT_TRUE(same_bits(window.host(), edited));
+  for (const int steps : {0, 3}) {
+    EXPECT_EQ(prepared([&] { window.session.go_to(steps); }), one);
+    EXPECT_TRUE(same_bits(window.host(), steps ? edited : window.session.original().vertices));
+  }
   window.expect_consistent();
 }
 
@@ -374,10 +332,8 @@ TEST(DragSteps, AdjustmentAndLoadCanBeDropped) {
 }
 
 TEST(DragSteps, SavedEditLoadsToTheSameBits) {
-  Window window(plate());
-  window.change([](DragSettings& s) { s.radius = 3; });
-  window.drag(at(15, 15), Vector2(40, 25));
-  window.drag(at(45, 45), Vector2(10, -25));  // in another region
+  Play played;
+  Window& window = played.run("set radius 3; drag 15,15 40 25; drag 45,45 10 -25");  // in two regions
   Window other(plate());
   other.session.load(window.session.recorded());
   EXPECT_EQ(other.session.state(), State::Settling);
@@ -408,7 +364,7 @@ TEST(DragSteps, LoadedFitIsAStepAmongOthers) {
   const TriangleMesh& mesh = window.session.original();
   const Points fitted = support::edited(mesh, apply_edit(mesh, with_scans(edit, reader), 1, StoredScalar::Float));
   EXPECT_TRUE(same_bits(window.host(), fitted));
-  EXPECT_EQ(window.session.selection().active, static_cast<int>(window.session.selection().groups.size()) - 1);
+  EXPECT_EQ(window.session.selection().active, static_cast<int>(window.groups().size()) - 1);
   window.drag(nearest_vertex(mesh, Vector3(0, 1.3, 0)), Vector2(10, 30));
   window.expect_consistent();
   EXPECT_EQ(window.session.recorded().steps.at(0).fit->to, "scan");
@@ -419,48 +375,42 @@ TEST(DragSteps, LoadedFitIsAStepAmongOthers) {
 }
 
 TEST(DragSteps, AreSavedAndPaintedVerticesStayAfterOtherCodeChangedTheMesh) {
-  Window before(plate());
-  before.click(kMiddle);
-  before.session.set_painted(BrushTarget::Region, before.region());
-  before.session.wait();
-  before.session.set_painted(BrushTarget::Anchors, {at(26, 30), at(2, 2)});
-  before.session.wait();
-  before.change([](DragSettings& s) { s.radius = 3; });
-  before.drag(kMiddle, Vector2(10, 5));
-  const auto succeed = [](const DragSession& old, const TriangleMesh& mesh) {
+  Play played;
+  const DragSession& before =
+      played.run("click 30,30; keep a; region 26,26 34,34; anchors 26,30 2,2; set radius 3; drag 30,30 10 5").session;
+  const auto inherited = [](const DragSession& old, const TriangleMesh& mesh) {
     auto next = std::make_unique<Window>(mesh);
     next->session.inherit(old.inheritance());
     return next;
   };
-  TriangleMesh smoothed = before.session.mesh();
+  TriangleMesh smoothed = before.mesh();
   smoothed.vertices.col(2) *= 0.5;
-  const auto after = succeed(before.session, smoothed);
+  const auto after = inherited(before, smoothed);
   EXPECT_TRUE(after->says("1 step cannot be undone"));
   EXPECT_EQ(after->session.settings().radius, 3);
   EXPECT_FALSE(after->session.can_undo());
   EXPECT_TRUE(after->session.selection().by_hand);
   EXPECT_TRUE(contains(after->session.selection().held, at(2, 2)));
-  EXPECT_EQ(after->region(), before.region());
+  EXPECT_EQ(after->region(), played.window.region());
   EXPECT_EQ(after->session.saved().steps.size(), 1U);
   // Another change without steps in between loses nothing more.
-  const auto third = succeed(after->session, smoothed);
+  const auto third = inherited(after->session, smoothed);
   EXPECT_EQ(third->session.saved().steps.size(), 1U);
   third->drag(kMiddle, Vector2(5, 5));
   EXPECT_EQ(third->session.saved().steps.at(0).region.held, third->session.selection().held);
   third->expect_consistent();
   third->undo();
   EXPECT_TRUE(third->session.can_save());
-  const auto other = succeed(before.session, shapes::grid(9, 9));
+  const auto other = inherited(before, shapes::grid(9, 9));
   EXPECT_TRUE(other->session.selection().held.empty());
   EXPECT_FALSE(other->session.selection().has_region);
   EXPECT_TRUE(other->session.can_save());
 }
 
 TEST(DragSteps, EditOfAnotherMeshIsRefused) {
-  Window window(plate());
-  window.drag(kMiddle, Vector2(40, 25));
+  Play played;
   Window other(shapes::grid(20, 20));
-  other.session.load(window.session.recorded());
+  other.session.load(played.run("drag 30,30 40 25").session.recorded());
   other.session.wait();
   EXPECT_EQ(other.session.state(), State::Idle);
   EXPECT_TRUE(other.says("made for a mesh of 3600 vertices"));
@@ -532,16 +482,13 @@ TEST(DragLastStep, IsShownWhileItChangesAndAppliedAtTheEnd) {
 }
 
 TEST(DragLastStep, OfABentCurveAndOfSeveralHandlesAndOnBothSides) {
-  Window bent(plate());
-  draw_mouth(bent);
-  bent.drag(at(35, 30), Vector2(0, -30));
-  ASSERT_TRUE(bent.session.last_step());
-  EXPECT_TRUE(bent.session.last_step()->bent);
-  const double whole = bent.host()(at(35, 30), 1) - bent.session.original().vertices(at(35, 30), 1);
-  bent.session.set_last_step(HandleTransform(), 0.5);
-  bent.session.wait();
-  EXPECT_NEAR(bent.host()(at(35, 30), 1) - bent.session.original().vertices(at(35, 30), 1), whole / 2, 0.02 * whole);
-  bent.expect_consistent();
+  Play bent;
+  Window& window = bent.run(std::string(kMouth) + "drag 35,30 0 -30");
+  ASSERT_TRUE(window.session.last_step() && window.session.last_step()->bent);
+  const auto way = [&] { return window.host()(at(35, 30), 1) - window.session.original().vertices(at(35, 30), 1); };
+  const double whole = way();
+  bent.run("last 0 0 0 0.5; consistent");
+  EXPECT_NEAR(way(), whole / 2, 0.02 * whole);
 
   play(kThree + std::string("click 26,30 take; keys rz90; enter; last 0 0 0 0.5; recorded 0 degrees 45 0 45"));
 
@@ -550,23 +497,17 @@ TEST(DragLastStep, OfABentCurveAndOfSeveralHandlesAndOnBothSides) {
 }
 
 TEST(DragLastStep, RefusesWhatItCannotDo) {
-  Window window(plate());
-  window.click(kMiddle);
-  window.keys("tz4\r");
-  const Points before = window.host();
-  HandleTransform motion = window.session.last_step()->motion;
-  EXPECT_TRUE(window.session.last_step()->single);
+  Play played;
+  DragSession& session = played.run("click 30,30; keys tz4; enter; keep a; last 0 0 4 1.5; says 'from 0 to 1'").session;
+  HandleTransform motion = session.last_step()->motion;
+  EXPECT_TRUE(session.last_step()->single);
   motion.degrees = 10;
-  window.session.set_last_step(motion, 1);
-  EXPECT_TRUE(window.says("Turning needs a handle of several vertices"));
+  session.set_last_step(motion, 1);
+  played.run("says 'Turning needs a handle of several vertices'");
   motion = HandleTransform();
   motion.scale = 0;
-  window.session.set_last_step(motion, 1);
-  EXPECT_TRUE(window.says("greater than 0"));
-  window.session.set_last_step(HandleTransform(), 1.5);
-  EXPECT_TRUE(window.says("from 0 to 1"));
-  window.session.wait();
-  EXPECT_TRUE(same_bits(window.host(), before));
+  session.set_last_step(motion, 1);
+  played.run("says 'greater than 0'; same pose a");
 }
 
 }  // namespace

@@ -221,6 +221,7 @@ class Play {
       return s.set(&Tools::paint, target < 3 ? std::optional(static_cast<BrushTarget>(target)) : std::nullopt);
     }
     if (on("change")) return s.change_painted(choice<PaintChange>({"invert", "blur", "clear"})), s.wait();
+    if (on("pivot")) return s.set(&Tools::pivot, choice<Pivot>({"centroid", "boundary", "point"}));
     if (on("mirror")) return s.set(&Tools::mirror, MirrorPlane{Vector3(number(0), 0, 0), Vector3::UnitX()}), s.wait();
     if (on("unmirror")) return s.set(&Tools::mirror, std::nullopt), s.wait();
     if (on("undo")) return window.undo(times);
@@ -248,9 +249,11 @@ class Play {
     if (on("unready")) return expect(!s.preparation().ready && !s.busy());
     if (on("can")) return expect(is(0, "undo") ? s.can_undo() : s.can_redo());
     if (on("cannot")) return expect(!(is(0, "undo") ? s.can_undo() : s.can_redo()));
+    if (on("unposed")) return equal(window.poses(), 0);
     if (on("settled")) return equal(window.settled(), !is(0, "not"));
     if (on("groups")) return equal(selection.groups, groups());
     if (on("count")) return equal(selection.groups.size(), number(0));
+    if (on("points")) return equal(selection.discs.curves.at(0).points.size(), number(0));
     if (on("size"))
       return equal(selection.groups.at(words_.size() > 1 ? static_cast<std::size_t>(number(1)) : 0).size(), number(0));
     if (on("active")) return equal(selection.active, number(0));
