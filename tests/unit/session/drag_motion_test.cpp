@@ -19,16 +19,22 @@ Cursor over(const Camera& view, const Vector3& point, const Vector2& off = Vecto
   return {view, view.pixel(point) + off};
 }
 
-Camera oblique() {
-  return support::view_from(Vector3(8, -6, 9), kCenter);
+/// Aslant, and along z.
+const Camera kOblique = support::view_from(Vector3(8, -6, 9), kCenter);
+const Camera kAlongZ = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
+
+/// About kCenter, which is grabbed.
+DragMotion motion(MotionKind kind, const Cursor& cursor, const Vector3& normal = Vector3::UnitZ(),
+                  const std::optional<Vector3>& pivot = {}, double radius = 0) {
+  return {kind, kCenter, kCenter, normal, cursor, pivot, radius};
 }
 
-DragMotion motion(MotionKind kind, const Cursor& cursor, const Vector3& normal = Vector3::UnitZ()) {
-  return {kind, kCenter, kCenter, normal, cursor};
+void type(DragMotion& m, const std::string& text) {
+  for (const char c : text) EXPECT_TRUE(m.type(c)) << text;
 }
 
 TEST(DragMotion, TranslationKeepsTheGrabbedPointUnderTheCursor) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   for (const Vector2& off : {Vector2(0, 0), Vector2(3, -2)}) {
     const Vector3 grab = view.beside(kCenter, over(view, kCenter, off).pixel);
     DragMotion m(MotionKind::Translate, grab, kCenter, Vector3::UnitZ(), over(view, grab));
@@ -44,7 +50,7 @@ TEST(DragMotion, TranslationKeepsTheGrabbedPointUnderTheCursor) {
 }
 
 TEST(DragMotion, LockedAxisTakesTheNearestPointToTheCursor) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
   ASSERT_TRUE(m.toggle_lock(AxisLock::Y));
   m.move(over(view, kCenter + Vector3(0, 1.25, 0)));
@@ -57,7 +63,7 @@ TEST(DragMotion, LockedAxisTakesTheNearestPointToTheCursor) {
 }
 
 TEST(DragMotion, AxisAlongTheSightDoesNotRunAway) {
-  const Camera view = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
+  const Camera& view = kAlongZ;
   DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
   m.toggle_lock(AxisLock::Z);
   m.move(over(view, kCenter, Vector2(2, 0)));
@@ -65,12 +71,11 @@ TEST(DragMotion, AxisAlongTheSightDoesNotRunAway) {
 }
 
 TEST(DragMotion, NormalLockNeedsANormal) {
-  const Camera view = oblique();
-  EXPECT_FALSE(motion(MotionKind::Translate, over(view, kCenter), Vector3::Zero()).toggle_lock(AxisLock::Normal));
+  EXPECT_FALSE(motion(MotionKind::Translate, over(kOblique, kCenter), Vector3::Zero()).toggle_lock(AxisLock::Normal));
 }
 
 TEST(DragMotion, RotationFollowsTheCursorAboutTheCenter) {
-  const Camera view = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
+  const Camera& view = kAlongZ;
   // Seen from +z, counter-clockwise on the screen is counter-clockwise about z.
   DragMotion m = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
   EXPECT_LT((m.arm() - Vector3::UnitX()).norm(), 1e-9);
@@ -101,7 +106,7 @@ TEST(DragMotion, RotationAboutALockedAxisIsThatOfTheSurfaceOnTheScreen) {
 }
 
 TEST(DragMotion, ScaleIsTheGrowthOfTheDistanceFromTheCenter) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   DragMotion m = motion(MotionKind::Scale, over(view, kCenter, Vector2(100, 0)));
   m.move(over(view, kCenter, Vector2(0, 150)));
   EXPECT_NEAR(m.transform().scale, 1.5, 1e-9);
@@ -110,14 +115,12 @@ TEST(DragMotion, ScaleIsTheGrowthOfTheDistanceFromTheCenter) {
 }
 
 TEST(DragMotion, ScaleWithALockIsAlongItsAxisAlone) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   const Vector3 pivot(0, 4, 1);
-  DragMotion m(MotionKind::Scale, kCenter, kCenter, Vector3::UnitZ(), over(view, kCenter), pivot);
+  DragMotion m = motion(MotionKind::Scale, over(view, kCenter), Vector3::UnitZ(), pivot);
   m.toggle_lock(AxisLock::Y);
   EXPECT_FALSE(m.moves());
-  for (const char c : std::string("105%")) {
-    EXPECT_TRUE(m.type(c));
-  }
+  type(m, "105%");
   const Affine map = resolve(m.transform(), kCenter).map;
   EXPECT_LT((map * pivot - pivot).norm(), 1e-12);
   EXPECT_LT((map * Vector3(2, 3, 5) - Vector3(2, 4 - 1.05, 5)).norm(), 1e-12);
@@ -129,26 +132,22 @@ TEST(DragMotion, ScaleWithALockIsAlongItsAxisAlone) {
 }
 
 TEST(DragMotion, TypedPercentagesAreOfTheRadiusAndOfARevolution) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   for (const MotionKind kind : {MotionKind::Translate, MotionKind::Rotate}) {
-    DragMotion m(kind, kCenter, kCenter, Vector3::UnitZ(), over(view, kCenter), std::nullopt, 8);
+    DragMotion m = motion(kind, over(view, kCenter), Vector3::UnitZ(), {}, 8);
     EXPECT_FALSE(m.type('%')) << "without a number";
-    for (const char c : std::string("25%")) {
-      EXPECT_TRUE(m.type(c));
-    }
+    type(m, "25%");
     EXPECT_FALSE(m.type('%'));
     EXPECT_FALSE(m.type('5'));
-    EXPECT_EQ(kind == MotionKind::Translate ? m.transform().translation.z() : m.transform().degrees,
-              kind == MotionKind::Translate ? 2 : 90);
+    const bool translates = kind == MotionKind::Translate;
+    EXPECT_EQ(translates ? m.transform().translation.z() : m.transform().degrees, translates ? 2 : 90);
   }
 }
 
 TEST(DragMotion, TypedAmountReplacesTheMouse) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   DragMotion m = motion(MotionKind::Translate, over(view, kCenter), Vector3(0, 0, 5));
-  for (const char c : std::string("0.75")) {
-    EXPECT_TRUE(m.type(c));
-  }
+  type(m, "0.75");
   EXPECT_FALSE(m.type('.'));
   EXPECT_FALSE(m.type('a'));
   EXPECT_EQ(m.transform().translation, Vector3(0, 0, 0.75));  // not moved yet: along the normal
@@ -162,7 +161,7 @@ TEST(DragMotion, TypedAmountReplacesTheMouse) {
 }
 
 TEST(DragMotion, GoesOnUnderAnotherView) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   const Camera other = support::view_from(Vector3(-5, 8, 7), kCenter);
   DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
   m.move(over(view, kCenter, Vector2(40, 0)));
@@ -175,19 +174,19 @@ TEST(DragMotion, GoesOnUnderAnotherView) {
 }
 
 TEST(DragMotion, AnotherPivotIsNamedInTheTransform) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   const Vector3 pivot(2, 1, 2.5), point(0, 1, 4);
   for (const MotionKind kind : {MotionKind::Rotate, MotionKind::Scale}) {
-    DragMotion m(kind, kCenter, kCenter, Vector3::UnitZ(), over(view, pivot, Vector2(100, 0)), pivot);
+    DragMotion m = motion(kind, over(view, pivot, Vector2(100, 0)), Vector3::UnitZ(), pivot);
     m.move(over(view, pivot, Vector2(30, 120)));
     EXPECT_TRUE(m.moves());
     const Affine map = resolve(m.transform(), kCenter).map;
     EXPECT_LT((map * pivot - pivot).norm(), 1e-12);
     EXPECT_GT((map * point - point).norm(), 0.1);
-    EXPECT_FALSE(DragMotion(kind, kCenter, kCenter, Vector3::UnitZ(), over(view, kCenter)).transform().center);
+    EXPECT_FALSE(motion(kind, over(view, kCenter)).transform().center);
   }
-  DragMotion m(MotionKind::Translate, kCenter, kCenter, Vector3::UnitZ(), over(view, kCenter), pivot);
-  EXPECT_FALSE(m.transform().center);  // it means nothing
+  // It means nothing.
+  EXPECT_FALSE(motion(MotionKind::Translate, over(view, kCenter), Vector3::UnitZ(), pivot).transform().center);
 }
 
 TEST(DragMotion, SnapsLengthsToRoundStepsOfAFewPixels) {
@@ -195,9 +194,7 @@ TEST(DragMotion, SnapsLengthsToRoundStepsOfAFewPixels) {
     const Camera view = support::view_from(kCenter + zoom * Vector3(8, -6, 9), kCenter);
     for (const bool along_y : {false, true}) {
       DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
-      if (along_y) {
-        m.toggle_lock(AxisLock::Y);
-      }
+      if (along_y) m.toggle_lock(AxisLock::Y);
       EXPECT_EQ(m.step(), 0);
       Cursor cursor = over(view, kCenter, Vector2(93, 41));
       cursor.snap = true;
@@ -220,28 +217,26 @@ TEST(DragMotion, SnapsLengthsToRoundStepsOfAFewPixels) {
 }
 
 TEST(DragMotion, SnapsAnglesAndFactors) {
-  const Camera view = support::view_from(kCenter + Vector3(0, 0, 9), kCenter, Vector3::UnitY());
-  Cursor cursor = over(view, kCenter, Vector2(50, -90));
-  cursor.snap = true;
-  DragMotion rotation = motion(MotionKind::Rotate, over(view, kCenter, Vector2(100, 0)));
-  rotation.move(cursor);
-  EXPECT_EQ(rotation.transform().degrees, 60);
+  const auto snapped = [](DragMotion& m, const Vector2& off) {
+    Cursor cursor = over(kAlongZ, kCenter, off);
+    cursor.snap = true;
+    m.move(cursor);
+    return m.transform();
+  };
+  DragMotion rotation = motion(MotionKind::Rotate, over(kAlongZ, kCenter, Vector2(100, 0)));
+  EXPECT_EQ(snapped(rotation, Vector2(50, -90)).degrees, 60);
   EXPECT_EQ(rotation.text(), "Turning by 60 degrees (in steps of 15)");
   rotation.type('7');
   EXPECT_EQ(rotation.transform().degrees, 7);
   EXPECT_EQ(rotation.text(), "Turning by 7 degrees (typed 7)");
-  DragMotion scale = motion(MotionKind::Scale, over(view, kCenter, Vector2(100, 0)));
-  cursor.pixel = over(view, kCenter, Vector2(0, 132)).pixel;
-  scale.move(cursor);
-  EXPECT_EQ(scale.transform().scale, 1.3);
+  DragMotion scale = motion(MotionKind::Scale, over(kAlongZ, kCenter, Vector2(100, 0)));
+  EXPECT_EQ(snapped(scale, Vector2(0, 132)).scale, 1.3);
   EXPECT_EQ(scale.text(), "Scaling by 1.3 (in steps of 0.1)");
-  cursor.pixel = over(view, kCenter, Vector2(0, 1)).pixel;
-  scale.move(cursor);
-  EXPECT_EQ(scale.transform().scale, 0.1);
+  EXPECT_EQ(snapped(scale, Vector2(0, 1)).scale, 0.1);
 }
 
 TEST(DragMotion, SnappedAmountsGoOnFreelyUnderAnotherView) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   DragMotion free = motion(MotionKind::Translate, over(view, kCenter)), snapped = free;
   Cursor cursor = over(view, kCenter, Vector2(47, 8));
   free.move(cursor);
@@ -254,7 +249,7 @@ TEST(DragMotion, SnappedAmountsGoOnFreelyUnderAnotherView) {
 }
 
 TEST(DragMotion, TheAxisOfAGizmoIsFoundByItsName) {
-  const Camera view = oblique();
+  const Camera& view = kOblique;
   DragMotion m = motion(MotionKind::Translate, over(view, kCenter));
   m.hold(Vector3(0, 3, 0));
   EXPECT_EQ(m.lock(), AxisLock::Gizmo);
@@ -275,25 +270,18 @@ TEST(DragMotion, NoViewOfFarPlacesMakesATransformThatIsNoNumber) {
   int moved = 0;
   for (int k = 0; k < 20000; ++k) {
     Vector3 grab = position(), eye = position();
-    if (k % 7 == 0) {
-      grab[k % 3] = std::numeric_limits<double>::infinity();
-    }
+    if (k % 7 == 0) grab[k % 3] = std::numeric_limits<double>::infinity();
     const Cursor start{support::view_from(eye, grab + position()), Vector2(400 * unit(random), 300 * unit(random))};
     const MotionKind kind = std::array{MotionKind::Translate, MotionKind::Rotate, MotionKind::Scale}[k % 3];
     DragMotion m(kind, grab, k % 2 ? grab : position(), position(), start,
                  k % 5 ? std::nullopt : std::optional(position()));
-    if (k % 4 == 0) {
-      m.hold(position());
-    } else if (k % 4 == 1) {
-      m.toggle_lock(AxisLock::Z);
-    }
+    if (k % 4 == 0) m.hold(position());
+    if (k % 4 == 1) m.toggle_lock(AxisLock::Z);
     Cursor next = k % 2 ? start : Cursor{support::view_from(eye, position()), start.pixel};
     next.pixel = Vector2(far(), far());
     next.snap = k % 11 == 0;
     m.move(next);
-    if (k % 13 == 0) {
-      m.type('9');
-    }
+    if (k % 13 == 0) m.type('9');
     ASSERT_NO_THROW(resolve(m.transform(), grab)) << k << ": " << m.text();
     ASSERT_EQ(m.text().find("nan"), std::string::npos) << k << ": " << m.text();
     moved += m.moves() ? 1 : 0;

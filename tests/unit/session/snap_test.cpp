@@ -13,41 +13,36 @@ namespace {
 /// Seen from above: the sheet lies at z = 0, and a copy of it one unit lower.
 class Snap : public ::testing::Test {
  protected:
-  std::vector<TriangleMesh> sheets(std::initializer_list<double> heights) const {
-    std::vector<TriangleMesh> all;
-    for (const double height : heights) {
-      all.push_back(sheet);
-      all.back().vertices.col(2).array() = height;
-    }
-    return all;
+  SnapTargets targets(const std::vector<double>& heights) const {
+    std::vector<TriangleMesh> all(heights.size(), sheet);
+    for (std::size_t k = 0; k < heights.size(); ++k) all[k].vertices.col(2).array() = heights[k];
+    return SnapTargets(all);
   }
 
   const TriangleMesh sheet = shapes::grid(9, 9);
   const Vector3 middle = sheet.vertices.row(40).transpose();
-  const Vector3 eye = middle + Vector3(0, 0, 40);
-  const Camera view = support::view_from(eye, middle, Vector3::UnitY());
+  const Camera view = support::view_from(middle + Vector3(0, 0, 40), middle, Vector3::UnitY());
+  const Vector2 pixel = view.pixel(middle);
 };
 
 TEST_F(Snap, TakesTheFirstSurfaceUnderTheCursor) {
-  const Vector2 pixel = view.pixel(middle);
-  for (const auto& heights : {std::initializer_list<double>{0, -1}, {-1, 0}}) {
-    const auto found = SnapTargets(sheets(heights)).at(view, pixel);
+  for (const auto& found : {targets({0, -1}).at(view, pixel), targets({-1, 0}).at(view, pixel)}) {
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->z(), 0, 1e-9);
     EXPECT_LT((view.pixel(*found) - pixel).norm(), 1e-6);
   }
-  EXPECT_FALSE(SnapTargets(sheets({0})).at(view, Vector2(-1e5, 0)));
-  EXPECT_FALSE(SnapTargets({}).at(view, pixel));
+  EXPECT_FALSE(targets({0}).at(view, Vector2(-1e5, 0)));
+  EXPECT_FALSE(targets({}).at(view, pixel));
 }
 
 TEST_F(Snap, TargetsAreFoundWhenATranslationBegins) {
   int requests = 0;
-  auto targets = std::make_shared<const SnapTargets>(sheets({1}));
+  const auto above = std::make_shared<const SnapTargets>(targets({1}));
   DragSession session(sheet, StoredScalar::Float, {{}, {}, [&] {
                                                      ++requests;
-                                                     return targets;
+                                                     return above;
                                                    }});
-  const Cursor start{view, view.pixel(middle)}, end{view, start.pixel + Vector2(9, 7)};
+  const Cursor start{view, pixel}, end{view, pixel + Vector2(9, 7)};
   const auto drag = [&] {
     session.press(start);
     session.move(end);
@@ -71,12 +66,10 @@ TEST_F(Snap, TargetsAreFoundWhenATranslationBegins) {
 }
 
 TEST_F(Snap, AllocatesNothing) {
-  const SnapTargets targets(sheets({0, -1}));
-  targets.at(view, view.pixel(middle));
+  const SnapTargets two = targets({0, -1});
+  two.at(view, pixel);
   const long before = allocations;
-  for (int k = 0; k < 9; ++k) {
-    targets.at(view, view.pixel(sheet.vertices.row(Eigen::Index{9} * k).transpose()));
-  }
+  for (int v = 0; v < 81; v += 9) two.at(view, view.pixel(sheet.vertices.row(v).transpose()));
   EXPECT_EQ(allocations, before);
 }
 
