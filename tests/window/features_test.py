@@ -11,15 +11,11 @@ from tool import PANEL, TOOL, ToolTest, part
 class Start(ToolTest):
     def test_menu_entry_icon_and_shortcut(self):
         with self.open(self.mesh) as w:
-            action = w.actions(TOOL)
-            self.assertEqual(len(action), 1)
-            self.assertTrue(action[0]["icon"])
-            self.assertEqual(action[0]["shortcut"], "Ctrl+Alt+L")
-            self.assertFalse(action[0]["checked"])
+            self.assertEqual(w.action(TOOL), {"count": 1, "icon": True, "shortcut": "Ctrl+Alt+L", "checked": False, "enabled": True})
             before = w.dump()
             w.trigger(TOOL)
             self.assertEqual(w.tool(), (TOOL, False))
-            self.assertTrue(w.actions(TOOL)[0]["checked"])
+            self.assertTrue(w.action(TOOL)["checked"])
             self.assertTrue(w.widget(PANEL)["visible"])
             self.assertRegex(self.message(w), "Press on the surface and drag")
             w.trigger(TOOL)

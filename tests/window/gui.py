@@ -209,8 +209,9 @@ class Window(XProgram):
             self.ask("key", key=key, modifiers=list(modifiers))
         self.idle()
 
-    def actions(self, text=None):
-        return self.ask("actions", text=text)["actions"]
+    def action(self, text):
+        """What is known of an action of the menus, {} if there is none."""
+        return self.ask("action", text=text)
 
     def trigger(self, text, wait=True):
         """wait: False if it opens a dialog"""
@@ -258,7 +259,7 @@ class Window(XProgram):
     def run_filter(self, name):
         """With its default parameters, as from the menu."""
         self.trigger(name)
-        if "Apply" in self.ask("buttons")["texts"]:
+        if any(w["visible"] and w.get("text") == "Apply" for w in self.ask("widgets", prefix="")["widgets"]):
             self.press_button(text="Apply")
             self.press_button(text="Close")
 

@@ -308,9 +308,9 @@ class Events:
 
     def tabs(self):
         """The layer list comes to the front, and the panel again."""
-        self.ask("tab", text=self.tab, choose=True)
+        self.ask("tab", text=self.tab)
         self.drag()
-        self.ask("tab", text=TOOL, choose=True)
+        self.ask("tab", text=TOOL)
 
     def drop(self):
         """A motion is dropped by the right button, Esc or undo."""

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QApplication>
 #include <QJsonObject>
 #include <QPointF>
 #include <QString>
+#include <QWidget>
 #include <functional>
 #include <map>
+#include <stdexcept>
 
 class GLArea;
 class MeshDocument;
@@ -22,6 +25,22 @@ struct Answer {
 
 using Command = std::function<Answer(const QJsonObject&)>;
 using Commands = std::map<QString, Command>;
+
+/// @throws std::runtime_error
+inline void require(bool holds, const std::string& what) {
+  if (!holds) throw std::runtime_error(what);
+}
+
+/// The last widget of a type for which a condition holds, null if there is none.
+template <class Widget, class Condition>
+Widget* find_widget(const Condition& holds) {
+  Widget* result = nullptr;
+  for (QWidget* candidate : QApplication::allWidgets()) {
+    auto* const found = qobject_cast<Widget*>(candidate);
+    result = found && holds(*found) ? found : result;
+  }
+  return result;
+}
 
 void add_input_commands(Commands& commands);   ///< mouse, wheel, keys
 void add_window_commands(Commands& commands);  ///< menus, widgets, dialogs, pictures, output

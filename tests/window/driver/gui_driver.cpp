@@ -10,9 +10,7 @@
 
 GuiDriver::GuiDriver() {
   const QString path = qEnvironmentVariable("LAPEDIT_GUI_SOCKET");
-  if (path.isEmpty()) {
-    return;
-  }
+  if (path.isEmpty()) return;
   // Qt's own dialogs can be answered from inside.
   QCoreApplication::setAttribute(Qt::AA_DontUseNativeDialogs);
   gui_driver::add_input_commands(commands_);
@@ -26,9 +24,7 @@ GuiDriver::GuiDriver() {
 void GuiDriver::listen(const QString& path) {
   // MeshLab 2022 and later make a second object, after one that they only look at.
   static bool listening = false;
-  if (std::exchange(listening, true)) {
-    return;
-  }
+  if (std::exchange(listening, true)) return;
   if (!server_.listen(path)) {
     qCritical("gui_driver: %s: %s", qUtf8Printable(path), qUtf8Printable(server_.errorString()));
     return;
@@ -55,9 +51,7 @@ gui_driver::Answer GuiDriver::batch(const QJsonObject& request) {
   for (const QJsonValue one : request["requests"].toArray()) {
     try {
       const gui_driver::Answer answer = commands_.at(one["command"].toString())(one.toObject());
-      if (answer.then) {
-        answer.then();
-      }
+      if (answer.then) answer.then();
     } catch (const std::exception& error) {
       errors += QJsonArray{number, error.what()};
     }
@@ -70,16 +64,10 @@ void GuiDriver::handleNext() {
   const QJsonObject request = QJsonDocument::fromJson(lines_.takeFirst()).object();
   const QString name = request["command"].toString();
   try {
-    const auto command = commands_.find(name);
-    if (command == commands_.end()) {
-      send({{"error", "no such command: " + name}});
-      return;
-    }
-    const gui_driver::Answer answer = command->second(request);
+    gui_driver::require(commands_.count(name) > 0, "no such command");
+    const gui_driver::Answer answer = commands_[name](request);
     send(answer.reply);
-    if (answer.then) {
-      answer.then();
-    }
+    if (answer.then) answer.then();
   } catch (const std::exception& error) {
     send({{"error", name + ": " + error.what()}});
   }

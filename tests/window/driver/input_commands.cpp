@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <QApplication>
-#include <QElapsedTimer>
 #include <QEnterEvent>
 #include <QJsonArray>
 #include <QKeyEvent>
@@ -9,7 +7,6 @@
 #include <QPointer>
 #include <QWheelEvent>
 #include <initializer_list>
-#include <stdexcept>
 
 #include "commands.h"
 #include "driver_host.h"
@@ -20,32 +17,11 @@ namespace {
 Qt::MouseButtons held_buttons;  // by the mouse commands so far
 
 Qt::KeyboardModifiers modifiers(const QJsonObject& arguments) {
+  static const std::map<QString, Qt::KeyboardModifier> modifiers = {
+      {"ctrl", Qt::ControlModifier}, {"shift", Qt::ShiftModifier}, {"alt", Qt::AltModifier}};
   Qt::KeyboardModifiers result;
-  for (const QJsonValue name : arguments["modifiers"].toArray()) {
-    if (name == "ctrl") {
-      result |= Qt::ControlModifier;
-    } else if (name == "shift") {
-      result |= Qt::ShiftModifier;
-    } else if (name == "alt") {
-      result |= Qt::AltModifier;
-    } else {
-      throw std::runtime_error("no such modifier");
-    }
-  }
+  for (const QJsonValue name : arguments["modifiers"].toArray()) result |= modifiers.at(name.toString());
   return result;
-}
-
-Qt::MouseButton button(const QString& name) {
-  if (name == "left") {
-    return Qt::LeftButton;
-  }
-  if (name == "middle") {
-    return Qt::MiddleButton;
-  }
-  if (name == "right") {
-    return Qt::RightButton;
-  }
-  throw std::runtime_error("no such button");
 }
 
 /// "x" and "y", pixels of the view; from the vertex of the current layer if there is a "vertex".
@@ -54,40 +30,32 @@ QPointF position_of(const QJsonObject& arguments) {
   return arguments.contains("vertex") ? by + vertex_pixel(arguments["vertex"].toInt()) : by;
 }
 
-/// Sends an event and tells how long the window handled it.
-Answer timed(QWidget& area, QEvent& event) {
-  QElapsedTimer timer;
-  timer.start();
-  QCoreApplication::sendEvent(&area, &event);
-  return {{{"milliseconds", static_cast<double>(timer.nsecsElapsed()) * 1e-6}}};
-}
-
 Answer mouse(const QJsonObject& arguments) {
-  const QString type = arguments["type"].toString();
-  QEvent::Type event_type = QEvent::MouseMove;
-  Qt::MouseButton changed = Qt::NoButton;
-  if (type != "move") {
-    changed = button(arguments["button"].toString());
-    event_type = type == "press"     ? QEvent::MouseButtonPress
-                 : type == "release" ? QEvent::MouseButtonRelease
-                                     : QEvent::MouseButtonDblClick;
-    held_buttons.setFlag(changed, type != "release");
-  }
-  GLArea& area = gl_area();
+  static const std::map<QString, QEvent::Type> types = {{"move", QEvent::MouseMove},
+                                                        {"press", QEvent::MouseButtonPress},
+                                                        {"release", QEvent::MouseButtonRelease},
+                                                        {"double", QEvent::MouseButtonDblClick}};
+  static const std::map<QString, Qt::MouseButton> buttons = {
+      {"left", Qt::LeftButton}, {"middle", Qt::MiddleButton}, {"right", Qt::RightButton}};
+  const QEvent::Type type = types.at(arguments["type"].toString());
+  const bool moves = type == QEvent::MouseMove;
+  const Qt::MouseButton changed = moves ? Qt::NoButton : buttons.at(arguments["button"].toString());
+  if (!moves) held_buttons.setFlag(changed, type != QEvent::MouseButtonRelease);
   const QPointF position = position_of(arguments);
-  const QPointF global = position + area.mapToGlobal(QPoint(0, 0));
-  QMouseEvent event(event_type, position, position, global, changed, held_buttons, modifiers(arguments));
+  QMouseEvent event(type, position, position, position + gl_area().mapToGlobal(QPoint(0, 0)), changed, held_buttons,
+                    modifiers(arguments));
   expect_frame();
-  return timed(area, event);
+  QCoreApplication::sendEvent(&gl_area(), &event);
+  return {};
 }
 
 Answer wheel(const QJsonObject& arguments) {
-  GLArea& area = gl_area();
   const QPointF position = position_of(arguments);
   const QPoint angle(0, arguments["delta"].toInt());
-  QWheelEvent event(position, position + area.mapToGlobal(QPoint(0, 0)), QPoint(), angle, held_buttons,
+  QWheelEvent event(position, position + gl_area().mapToGlobal(QPoint(0, 0)), QPoint(), angle, held_buttons,
                     modifiers(arguments), Qt::NoScrollPhase, false);
-  return timed(area, event);
+  QCoreApplication::sendEvent(&gl_area(), &event);
+  return {};
 }
 
 void send_key(QWidget& target, const QJsonObject& arguments, std::initializer_list<QEvent::Type> types) {
@@ -108,16 +76,12 @@ Answer key(const QJsonObject& arguments) {
 /// To the list that is open, or else to the widget that has the keyboard; without both to none. list: only to a list.
 Answer key_anywhere(const QJsonObject& arguments) {
   const QPointer<QWidget> list = QApplication::activePopupWidget();
-  if (!list && arguments["list"].toBool()) {
-    return {};
-  }
+  if (!list && arguments["list"].toBool()) return {};
   const QPointer<QWidget> target = list && list->focusWidget() ? list->focusWidget()
                                    : list                      ? list.data()
                                                                : QApplication::focusWidget();
   for (const auto type : {QEvent::ShortcutOverride, QEvent::KeyPress, QEvent::KeyRelease}) {
-    if (target) {  // a key may close the list
-      send_key(*target, arguments, {type});
-    }
+    if (target) send_key(*target, arguments, {type});  // a key may close the list
   }
   return {};
 }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <QApplication>
 #include <QFile>
 #include <QJsonArray>
 #include <QMdiArea>
 #include <QMdiSubWindow>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
 #include "commands.h"
@@ -16,12 +15,9 @@ namespace gui_driver {
 namespace {
 
 QMdiArea& projects() {
-  for (QWidget* candidate : QApplication::allWidgets()) {
-    if (auto* const found = qobject_cast<QMdiArea*>(candidate)) {
-      return *found;
-    }
-  }
-  throw std::runtime_error("there is no window of projects");
+  auto* const found = find_widget<QMdiArea>([](const QMdiArea&) { return true; });
+  require(found, "there is no window of projects");
+  return *found;
 }
 
 /// Views of the current project, the oldest first.
@@ -30,9 +26,8 @@ std::vector<GLArea*> views() {
   std::vector<GLArea*> found;
   for (QWidget* candidate : QApplication::allWidgets()) {
     // MeshLab exports no GLArea for qobject_cast to compare with.
-    if (candidate->inherits("GLArea") && project && project->isAncestorOf(candidate)) {
-      found.push_back(static_cast<GLArea*>(candidate));
-    }
+    const bool is_view = candidate->inherits("GLArea") && project && project->isAncestorOf(candidate);
+    if (is_view) found.push_back(static_cast<GLArea*>(candidate));
   }
   std::sort(found.begin(), found.end(), [](GLArea* a, GLArea* b) { return a->getId() < b->getId(); });
   return found;
@@ -61,9 +56,7 @@ Answer view(const QJsonObject& arguments) {
 template <class Matrix>
 QJsonArray numbers(const Matrix& matrix) {
   QJsonArray result;
-  for (int i = 0; i < 16; ++i) {
-    result += static_cast<double>(matrix.V()[i]);
-  }
+  for (int i = 0; i < 16; ++i) result += static_cast<double>(matrix.V()[i]);
   return result;
 }
 
@@ -97,45 +90,34 @@ void shade_smoothly(GLArea& area, int id) {
   shared->manageBuffers(id);
 }
 
+/// Selects those of a list. @return whether there is a list
+template <class Elements>
+bool select(Elements& elements, const QJsonValue& list) {
+  if (!list.isArray()) return false;
+  for (auto& element : elements) element.ClearS();
+  for (const QJsonValue number : list.toArray()) elements.at(number.toInt()).SetS();
+  return true;
+}
+
 /// Any of: current, visible, smooth, matrix (16 numbers by rows), selected_faces, selected_vertices (lists), remove.
 Answer change_layer(const QJsonObject& arguments) {
   MeshDocument& md = document();
   GLArea& area = gl_area();
   MeshModel& mesh = layer(arguments);
   const int id = mesh.id();
-  if (arguments["current"].toBool()) {
-    md.setCurrentMesh(id);
-  }
+  if (arguments["current"].toBool()) md.setCurrentMesh(id);
   if (arguments.contains("visible")) {
     // GLArea::meshSetVisibility() is not exported.
     const bool visible = arguments["visible"].toBool();
     show_layer(mesh, visible);
     area.meshVisibilityMap[id] = visible;
   }
-  if (arguments["smooth"].toBool()) {
-    shade_smoothly(area, id);
-  }
+  if (arguments["smooth"].toBool()) shade_smoothly(area, id);
   const QJsonArray matrix = arguments["matrix"].toArray();
-  for (int i = 0; i < matrix.size(); ++i) {
-    mesh.cm.Tr.V()[i] = static_cast<Scalarm>(matrix[i].toDouble());
-  }
-  if (arguments.contains("selected_faces")) {
-    vcg::tri::UpdateSelection<CMeshO>::FaceClear(mesh.cm);
-    for (const QJsonValue face : arguments["selected_faces"].toArray()) {
-      mesh.cm.face.at(face.toInt()).SetS();
-    }
-    area.updateSelection(id, false, true);
-  }
-  if (arguments.contains("selected_vertices")) {
-    vcg::tri::UpdateSelection<CMeshO>::VertexClear(mesh.cm);
-    for (const QJsonValue vertex : arguments["selected_vertices"].toArray()) {
-      mesh.cm.vert.at(vertex.toInt()).SetS();
-    }
-    area.updateSelection(id, true, false);
-  }
-  if (arguments["remove"].toBool()) {
-    remove_layer(md, mesh);
-  }
+  for (int i = 0; i < matrix.size(); ++i) mesh.cm.Tr.V()[i] = static_cast<Scalarm>(matrix[i].toDouble());
+  if (select(mesh.cm.face, arguments["selected_faces"])) area.updateSelection(id, false, true);
+  if (select(mesh.cm.vert, arguments["selected_vertices"])) area.updateSelection(id, true, false);
+  if (arguments["remove"].toBool()) remove_layer(md, mesh);
   area.update();
   return {};
 }
@@ -147,19 +129,16 @@ class Dump {
   void add(const char* name, const Elements& elements, Get get) {
     const int begin = data_.size();
     for (const auto& element : elements) {
-      if (!element.IsD()) {
-        const auto value = get(element);
-        data_.append(reinterpret_cast<const char*>(&value), sizeof(value));
-      }
+      if (element.IsD()) continue;
+      const auto value = get(element);
+      data_.append(reinterpret_cast<const char*>(&value), sizeof(value));
     }
     index_[name] = QJsonArray{begin, data_.size() - begin};
   }
 
   QJsonObject write(const QString& path) const {
     QFile file(path);
-    if (!file.open(QFile::WriteOnly) || file.write(data_) != data_.size()) {
-      throw std::runtime_error("the file cannot be written");
-    }
+    require(file.open(QFile::WriteOnly) && file.write(data_) == data_.size(), "the file cannot be written");
     return index_;
   }
 
@@ -168,42 +147,25 @@ class Dump {
   QJsonObject index_;  // name -> begin, length
 };
 
-struct Three {
-  Scalarm values[3];
-};
-
-Three three(const Point3m& p) {
-  return {{p[0], p[1], p[2]}};
-}
-
 /// Writes all that can be told of a layer's vertices and faces to the file "path".
 Answer dump(const QJsonObject& arguments) {
   const CMeshO& mesh = layer(arguments).cm;
   Dump result;
-  result.add("positions", mesh.vert, [](const auto& v) { return three(v.cP()); });
-  result.add("normals", mesh.vert, [](const auto& v) { return three(v.cN()); });
+  result.add("positions", mesh.vert, [](const auto& v) { return v.cP(); });
+  result.add("normals", mesh.vert, [](const auto& v) { return v.cN(); });
   result.add("vertex_flags", mesh.vert, [](const auto& v) { return v.cFlags(); });
   result.add("vertex_colors", mesh.vert, [](const auto& v) { return v.cC(); });
   result.add("vertex_quality", mesh.vert, [](const auto& v) { return v.cQ(); });
-  result.add("face_normals", mesh.face, [](const auto& f) { return three(f.cN()); });
+  result.add("face_normals", mesh.face, [](const auto& f) { return f.cN(); });
   result.add("face_flags", mesh.face, [](const auto& f) { return f.cFlags(); });
-  if (vcg::tri::HasPerWedgeTexCoord(mesh)) {
-    result.add("texture", mesh.face, [](const auto& f) {
-      return std::array<float, 6>{f.cWT(0).u(), f.cWT(0).v(), f.cWT(1).u(), f.cWT(1).v(), f.cWT(2).u(), f.cWT(2).v()};
-    });
-  }
-  struct Corners {
-    int vertices[3];
-  };
   result.add("faces", mesh.face, [&](const auto& f) {
-    return Corners{{static_cast<int>(vcg::tri::Index(mesh, f.cV(0))), static_cast<int>(vcg::tri::Index(mesh, f.cV(1))),
-                    static_cast<int>(vcg::tri::Index(mesh, f.cV(2)))}};
+    std::array<int, 3> corners;
+    for (int k = 0; k < 3; ++k) corners[k] = static_cast<int>(vcg::tri::Index(mesh, f.cV(k)));
+    return corners;
   });
   QJsonArray box;
   for (const Point3m& corner : {mesh.bbox.min, mesh.bbox.max}) {
-    for (int k = 0; k < 3; ++k) {
-      box += static_cast<double>(corner[k]);
-    }
+    for (int k = 0; k < 3; ++k) box += static_cast<double>(corner[k]);
   }
   return {{{"arrays", result.write(arguments["path"].toString())}, {"box", box}}};
 }
@@ -226,7 +188,8 @@ vcg::Point2d pixel(const GLArea& area, const vcg::Point3d& eye) {
   return {(eye[0] / (half_height * aspect) + 1) * area.width() / 2, (1 - eye[1] / half_height) * area.height() / 2};
 }
 
-/// Where vertices (list) of a layer, or points (flat list, layer coordinates), are on the view, in pixels.
+/// Where vertices (list) of a layer, or points (flat list, layer coordinates), are on the view, in pixels; and the
+/// view.
 Answer project(const QJsonObject& arguments) {
   const GLArea& area = gl_area();
   const CMeshO& mesh = layer(arguments).cm;
@@ -238,10 +201,9 @@ Answer project(const QJsonObject& arguments) {
   for (int i = 0; i + 2 < list.size(); i += 3) {
     points.emplace_back(list[i].toDouble(), list[i + 1].toDouble(), list[i + 2].toDouble());
   }
-  const vcg::Matrix44d to_eye = eye_matrix(area) * vcg::Matrix44d::Construct(mesh.Tr);
   QJsonArray pixels;
   for (const vcg::Point3d& point : points) {
-    const vcg::Point2d position = pixel(area, to_eye * point);
+    const vcg::Point2d position = pixel(area, eye_matrix(area) * vcg::Matrix44d::Construct(mesh.Tr) * point);
     pixels += QJsonArray{position[0], position[1]};
   }
   const QPoint corner = area.mapToGlobal(QPoint(0, 0));
@@ -252,8 +214,7 @@ Answer project(const QJsonObject& arguments) {
 }
 
 Answer camera(const QJsonObject&) {
-  const GLArea& area = gl_area();
-  return {{{"matrix", numbers(eye_matrix(area))}, {"fov", static_cast<double>(area.fov)}}};
+  return {{{"matrix", numbers(eye_matrix(gl_area()))}, {"fov", static_cast<double>(gl_area().fov)}}};
 }
 
 /// What the line over the picture says, which the tool leaves with its view when it draws.
@@ -263,9 +224,7 @@ Answer on_screen(const QJsonObject&) {
   QString text;
   area.setProperty("laplacian_drag_line", QString());
   for (int k = 0; k < kAttempts && text.isEmpty() && area.getCurrentMeshEditor() && document().mm(); ++k) {
-    if (k > 0) {
-      QCoreApplication::processEvents(QEventLoop::AllEvents, 20);
-    }
+    if (k > 0) QCoreApplication::processEvents(QEventLoop::AllEvents, 20);
     area.repaint();
     text = area.property("laplacian_drag_line").toString();
   }
@@ -277,9 +236,7 @@ Answer history(const QJsonObject&) {
   for (const FilterNameParameterValuesPair& filter : filter_history(document())) {
     QJsonObject parameters;
     for (const RichParameter& parameter : filter.second) {
-      if (parameter.value().isString()) {
-        parameters[parameter.name()] = parameter.value().getString();
-      }
+      if (parameter.value().isString()) parameters[parameter.name()] = parameter.value().getString();
     }
     filters += QJsonObject{{"name", filter.first}, {"texts", parameters}};
   }
@@ -298,36 +255,27 @@ Answer tool(const QJsonObject&) {
 }  // namespace
 
 GLArea& gl_area() {
-  GLArea* found = find_gl_area();
-  if (!found) {
-    throw std::runtime_error("there is no view");
-  }
+  GLArea* const found = find_gl_area();
+  require(found, "there is no view");
   return *found;
 }
 
 MeshDocument& document() {
-  MeshDocument* found = gl_area().md();
-  if (!found) {
-    throw std::runtime_error("there is no document");
-  }
+  MeshDocument* const found = gl_area().md();
+  require(found, "there is no document");
   return *found;
 }
 
 MeshModel& layer(const QJsonObject& arguments) {
   MeshDocument& md = document();
-  MeshModel* found = arguments.contains("layer") ? md.getMesh(arguments["layer"].toInt()) : md.mm();
-  if (!found) {
-    throw std::runtime_error("there is no such layer");
-  }
+  MeshModel* const found = arguments.contains("layer") ? md.getMesh(arguments["layer"].toInt()) : md.mm();
+  require(found, "there is no such layer");
   return *found;
 }
 
 QPointF vertex_pixel(int vertex) {
-  const GLArea& area = gl_area();
-  const CMeshO& mesh = layer({}).cm;
-  const vcg::Point2d position = pixel(
-      area, eye_matrix(area) * vcg::Matrix44d::Construct(mesh.Tr) * vcg::Point3d::Construct(mesh.vert.at(vertex).cP()));
-  return {position[0], position[1]};
+  const QJsonArray found = project({{"vertices", QJsonArray{vertex}}}).reply["pixels"].toArray()[0].toArray();
+  return {found[0].toDouble(), found[1].toDouble()};
 }
 
 void add_scene_commands(Commands& commands) {

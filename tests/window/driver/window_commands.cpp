@@ -2,7 +2,6 @@
 #include <QAbstractButton>
 #include <QAbstractItemView>
 #include <QAction>
-#include <QApplication>
 #include <QClipboard>
 #include <QComboBox>
 #include <QDialog>
@@ -23,72 +22,55 @@
 #include <QTabBar>
 #include <QTimer>
 #include <QVariant>
-#include <stdexcept>
 
 #include "commands.h"
 
 namespace gui_driver {
 namespace {
 
+constexpr const char* kFrames = "laplacian_drag_frames";
+
 QString plain(QString text) {
   return text.remove('&');
 }
 
-QJsonObject describe(const QAction& action) {
-  return {{"text", plain(action.text())},
-          {"name", action.objectName()},
-          {"checked", action.isChecked()},
-          {"enabled", action.isEnabled()},
-          {"visible", action.isVisible()},
-          {"icon", !action.icon().isNull()},
-          {"shortcut", action.shortcut().toString()}};
-}
-
-/// Actions of the main window's menus and tool bars; those of filters are children of their plugins.
-QList<QAction*> actions() {
-  QList<QAction*> result;
+/// Actions of the main window's menus and tool bars by their text or name; those of filters are children of their
+/// plugins.
+QList<QAction*> find_actions(const QJsonObject& arguments) {
+  const QString text = arguments["text"].toString();
+  QList<QAction*> found;
   for (const QWidget* widget : QApplication::allWidgets()) {
     for (QAction* action : widget->actions()) {
-      if (!result.contains(action)) {
-        result += action;
-      }
+      const bool is_meant = plain(action->text()) == text || action->objectName() == text;
+      if (is_meant && !found.contains(action)) found += action;
     }
   }
-  return result;
+  return found;
 }
 
-Answer find_actions(const QJsonObject& arguments) {
-  const QString text = arguments["text"].toString();
-  QJsonArray found;
-  for (const QAction* action : actions()) {
-    if (text.isEmpty() || plain(action->text()) == text || action->objectName() == text) {
-      found += describe(*action);
-    }
-  }
-  return {{{"actions", found}}};
+/// Empty if there is none.
+Answer describe_action(const QJsonObject& arguments) {
+  const QList<QAction*> found = find_actions(arguments);
+  if (found.isEmpty()) return {};
+  return {{{"count", found.size()},
+           {"checked", found[0]->isChecked()},
+           {"enabled", found[0]->isEnabled()},
+           {"icon", !found[0]->icon().isNull()},
+           {"shortcut", found[0]->shortcut().toString()}}};
 }
 
 Answer trigger(const QJsonObject& arguments) {
-  const QString text = arguments["text"].toString();
-  for (QAction* action : actions()) {
-    if (plain(action->text()) == text || action->objectName() == text) {
-      if (!action->isEnabled()) {
-        throw std::runtime_error("the action is disabled");
-      }
-      return {describe(*action), [action] { action->trigger(); }};
-    }
-  }
-  throw std::runtime_error("no such action");
+  const QList<QAction*> found = find_actions(arguments);
+  require(!found.isEmpty(), "no such action");
+  require(found[0]->isEnabled(), "the action is disabled");
+  return {{}, [action = found[0]] { action->trigger(); }};
 }
 
 QWidget& widget(const QJsonObject& arguments) {
   const QString name = arguments["name"].toString();
-  for (QWidget* candidate : QApplication::allWidgets()) {
-    if (candidate->objectName() == name) {
-      return *candidate;
-    }
-  }
-  throw std::runtime_error("no such widget: " + name.toStdString());
+  auto* const found = find_widget<QWidget>([&](const QWidget& one) { return one.objectName() == name; });
+  require(found, "no such widget: " + name.toStdString());
+  return *found;
 }
 
 QJsonObject describe(const QWidget& found) {
@@ -99,12 +81,10 @@ QJsonObject describe(const QWidget& found) {
                      {"takes_keys", found.focusPolicy() != Qt::NoFocus}};
   const QPoint corner = found.mapToGlobal(QPoint(0, 0));
   result["rectangle"] = QJsonArray{corner.x(), corner.y(), found.width(), found.height()};
-  for (const char* property : {"text", "value", "checked", "currentIndex", "currentText", "currentRow", "minimum",
-                               "maximum", "count", "suffix", "plainText", "title", "windowTitle"}) {
+  for (const char* property :
+       {"text", "value", "checked", "currentIndex", "currentText", "currentRow", "count", "windowTitle"}) {
     const QVariant value = found.property(property);
-    if (value.isValid()) {
-      result[property] = QJsonValue::fromVariant(value);
-    }
+    if (value.isValid()) result[property] = QJsonValue::fromVariant(value);
   }
   if (const auto* rows = qobject_cast<const QListWidget*>(&found)) {
     QJsonArray texts, rectangles;
@@ -117,16 +97,7 @@ QJsonObject describe(const QWidget& found) {
     result["rows"] = texts;
     result["row_rectangles"] = rectangles;
   }
-  for (const QByteArray& property : found.dynamicPropertyNames()) {
-    if (!property.startsWith("_q_")) {
-      result[property] = QJsonValue::fromVariant(found.property(property));
-    }
-  }
   return result;
-}
-
-Answer get_widget(const QJsonObject& arguments) {
-  return {describe(widget(arguments))};
 }
 
 /// All whose name begins with "prefix", or all inside the one called "inside".
@@ -135,9 +106,8 @@ Answer list_widgets(const QJsonObject& arguments) {
   const QWidget* inside = arguments.contains("inside") ? &widget({{"name", arguments["inside"]}}) : nullptr;
   QJsonArray found;
   for (const QWidget* candidate : QApplication::allWidgets()) {
-    if (inside ? inside->isAncestorOf(candidate) : prefix.isEmpty() || candidate->objectName().startsWith(prefix)) {
-      found += describe(*candidate);
-    }
+    const bool is_meant = inside ? inside->isAncestorOf(candidate) : candidate->objectName().startsWith(prefix);
+    if (is_meant) found += describe(*candidate);
   }
   return {{{"widgets", found}}};
 }
@@ -152,9 +122,7 @@ void enter(QWidget& target, const QJsonValue& value) {
     emit real_box->editingFinished();
   } else if (auto* list = qobject_cast<QComboBox*>(&target)) {
     const int index = value.isString() ? list->findText(value.toString()) : value.toInt();
-    if (index < 0 || index >= list->count()) {
-      throw std::runtime_error("no such choice");
-    }
+    require(index >= 0 && index < list->count(), "no such choice");
     list->setCurrentIndex(index);
     emit list->activated(index);
   } else if (auto* rows = qobject_cast<QListWidget*>(&target)) {
@@ -165,9 +133,7 @@ void enter(QWidget& target, const QJsonValue& value) {
   } else if (auto* slider = qobject_cast<QSlider*>(&target)) {
     slider->setValue(value.toInt());
   } else if (auto* button = qobject_cast<QAbstractButton*>(&target)) {
-    if (button->isChecked() != value.toBool()) {
-      button->click();
-    }
+    if (button->isChecked() != value.toBool()) button->click();
   } else {
     throw std::runtime_error("cannot be set");
   }
@@ -176,15 +142,11 @@ void enter(QWidget& target, const QJsonValue& value) {
 /// A click in the middle of a widget, with the focus that Qt gives to a click of the mouse; none if it is out of sight.
 Answer touch(const QJsonObject& arguments) {
   QWidget& target = widget(arguments);
-  if (!target.isVisible() || !target.isEnabled()) {
-    return {};
-  }
+  if (!target.isVisible() || !target.isEnabled()) return {};
   const QPointF position = target.rect().center();
   QWidget* const inner = target.childAt(position.toPoint());
   const QPointer<QWidget> pressed = inner ? inner : &target;
-  if (target.focusPolicy() & Qt::ClickFocus) {
-    target.setFocus(Qt::MouseFocusReason);
-  }
+  if (target.focusPolicy() & Qt::ClickFocus) target.setFocus(Qt::MouseFocusReason);
   for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease}) {
     if (pressed) {
       const QPointF at = pressed->mapFrom(&target, position.toPoint());
@@ -196,61 +158,37 @@ Answer touch(const QJsonObject& arguments) {
   return {};
 }
 
-/// The middle of a tab on the screen, by its text; chosen if "choose" is true.
-Answer find_tab(const QJsonObject& arguments) {
-  for (QWidget* candidate : QApplication::allWidgets()) {
-    auto* bar = qobject_cast<QTabBar*>(candidate);
-    for (int k = 0; bar && bar->isVisible() && k < bar->count(); ++k) {
-      if (bar->tabText(k) == arguments["text"].toString()) {
-        const QPoint at = bar->mapToGlobal(bar->tabRect(k).center());
-        if (arguments["choose"].toBool()) {
-          bar->setCurrentIndex(k);
-        }
-        return {{{"at", QJsonArray{at.x(), at.y()}}}};
-      }
+/// Chooses a tab by its text.
+Answer choose_tab(const QJsonObject& arguments) {
+  int tab = -1;
+  auto* const found = find_widget<QTabBar>([&](const QTabBar& bar) {
+    for (int k = 0; bar.isVisible() && k < bar.count(); ++k) {
+      if (bar.tabText(k) == arguments["text"].toString()) return tab = k, true;
     }
-  }
-  throw std::runtime_error("no such tab");
+    return false;
+  });
+  require(found, "no such tab");
+  found->setCurrentIndex(tab);
+  return {};
 }
 
 Answer set_widget(const QJsonObject& arguments) {
   QWidget& target = widget(arguments);
-  if (!target.isEnabled()) {
-    throw std::runtime_error(target.objectName().toStdString() + " is disabled");
-  }
+  require(target.isEnabled(), target.objectName().toStdString() + " is disabled");
   enter(target, arguments["value"]);
   return {};
 }
 
 /// A button by its objectName, or by its text if that is given.
 Answer click(const QJsonObject& arguments) {
-  QAbstractButton* found = nullptr;
-  for (QWidget* candidate : QApplication::allWidgets()) {
-    auto* button = qobject_cast<QAbstractButton*>(candidate);
-    if (button && button->isVisible() &&
-        (arguments.contains("text") ? plain(button->text()) == arguments["text"].toString()
-                                    : button->objectName() == arguments["name"].toString())) {
-      found = button;
-    }
-  }
-  if (!found) {
-    throw std::runtime_error("no such button in sight");
-  }
-  if (!found->isEnabled()) {
-    throw std::runtime_error("the button is disabled");
-  }
-  return {{}, [button = QPointer<QAbstractButton>(found)] { button->click(); }};
-}
-
-Answer buttons(const QJsonObject&) {
-  QJsonArray texts;
-  for (const QWidget* candidate : QApplication::allWidgets()) {
-    const auto* button = qobject_cast<const QAbstractButton*>(candidate);
-    if (button && button->isVisible()) {
-      texts += plain(button->text());
-    }
-  }
-  return {{{"texts", texts}}};
+  const bool by_text = arguments.contains("text");
+  const QPointer<QAbstractButton> button = find_widget<QAbstractButton>([&](const QAbstractButton& one) {
+    return one.isVisible() && (by_text ? plain(one.text()) == arguments["text"].toString()
+                                       : one.objectName() == arguments["name"].toString());
+  });
+  require(button, "no such button in sight");
+  require(button->isEnabled(), "the button is disabled");
+  return {{}, [button] { button->click(); }};
 }
 
 Answer close_widget(const QJsonObject& arguments) {
@@ -261,9 +199,7 @@ Answer close_widget(const QJsonObject& arguments) {
 Answer dialog(const QJsonObject&) {
   static int count = 0;
   QWidget* modal = QApplication::activeModalWidget();
-  if (!modal) {
-    return {};
-  }
+  if (!modal) return {};
   if (!modal->property("gui_driver_number").isValid()) {
     modal->setProperty("gui_driver_number", ++count);
   }
@@ -282,12 +218,8 @@ Answer dialog(const QJsonObject&) {
 
 /// What is selected in its list counts more than the name, and is selected late: when the folder has been read.
 void accept_file(const QPointer<QFileDialog>& files, const QString& path) {
-  if (!files) {
-    return;
-  }
-  for (QAbstractItemView* list : files->findChildren<QAbstractItemView*>()) {
-    list->clearSelection();
-  }
+  if (!files) return;
+  for (QAbstractItemView* list : files->findChildren<QAbstractItemView*>()) list->clearSelection();
   files->findChild<QLineEdit*>("fileNameEdit")->setText(path);
   if (files->selectedFiles() == QStringList(path)) {
     static_cast<QDialog&>(*files).accept();  // protected in QFileDialog
@@ -299,14 +231,10 @@ void accept_file(const QPointer<QFileDialog>& files, const QString& path) {
 /// path: for a file dialog. button: text of the one to press; absent: the dialog is accepted.
 Answer answer_dialog(const QJsonObject& arguments) {
   QPointer<QDialog> modal = qobject_cast<QDialog*>(QApplication::activeModalWidget());
-  if (!modal) {
-    throw std::runtime_error("no dialog is open");
-  }
+  require(modal, "no dialog is open");
   if (arguments.contains("path")) {
     const QPointer<QFileDialog> files = qobject_cast<QFileDialog*>(modal.data());
-    if (!files || !files->findChild<QLineEdit*>("fileNameEdit")) {
-      throw std::runtime_error("the dialog is none for files, or a native one");
-    }
+    require(files && files->findChild<QLineEdit*>("fileNameEdit"), "the dialog is none for files, or a native one");
     return {{}, [files, path = arguments["path"].toString()] { accept_file(files, path); }};
   }
   if (arguments.contains("button")) {
@@ -331,10 +259,6 @@ QVariantList of_panels(const char* property) {
   return result;
 }
 
-QVariantList frames() {
-  return of_panels("laplacian_drag_frames");
-}
-
 QVariantList frames_before_event;
 
 /// Handles events until the tool says that it is not at work, and then those that this left. frame: the first picture
@@ -348,7 +272,7 @@ Answer idle(const QJsonObject& arguments) {
   int calm = 0;             // passes in a row without anything to wait for
   while (calm < 3) {
     QCoreApplication::processEvents(QEventLoop::AllEvents, 20);
-    if (!of_panels("laplacian_drag_busy").contains(true) || (frame && frames() != frames_before_event)) {
+    if (!of_panels("laplacian_drag_busy").contains(true) || (frame && of_panels(kFrames) != frames_before_event)) {
       ++calm;
     } else {
       calm = 0;
@@ -356,9 +280,7 @@ Answer idle(const QJsonObject& arguments) {
       QTimer::singleShot(2, &events, &QEventLoop::quit);
       events.exec();
     }
-    if (watch.elapsed() > 1000 * arguments["seconds"].toDouble(60)) {
-      throw std::runtime_error("the tool is busy for too long");
-    }
+    require(watch.elapsed() <= 1000 * arguments["seconds"].toDouble(60), "the tool is busy for too long");
   }
   return {};
 }
@@ -372,9 +294,7 @@ Answer step(const QJsonObject&) {
 Answer grab(const QJsonObject& arguments) {
   // From the screen: a widget's own picture leaves OpenGL's part out.
   const QString path = arguments["path"].toString();
-  if (!main_window().screen()->grabWindow(0).save(path)) {
-    throw std::runtime_error("no picture could be saved");
-  }
+  require(main_window().screen()->grabWindow(0).save(path), "no picture could be saved");
   return {};
 }
 
@@ -384,9 +304,7 @@ Answer resize(const QJsonObject& arguments) {
 }
 
 Answer clipboard(const QJsonObject& arguments) {
-  if (arguments.contains("text")) {
-    QApplication::clipboard()->setText(arguments["text"].toString());
-  }
+  if (arguments.contains("text")) QApplication::clipboard()->setText(arguments["text"].toString());
   return {{{"text", QApplication::clipboard()->text()}}};
 }
 
@@ -396,36 +314,27 @@ Answer print(const QJsonObject& arguments) {
   return {};
 }
 
-Answer quit(const QJsonObject&) {
-  QMainWindow* window = &main_window();
-  return {{}, [window] { window->close(); }};
-}
-
 }  // namespace
 
 void expect_frame() {
-  frames_before_event = frames();
+  frames_before_event = of_panels(kFrames);
 }
 
 QMainWindow& main_window() {
-  for (QWidget* candidate : QApplication::topLevelWidgets()) {
-    if (candidate->inherits("MainWindow")) {
-      return static_cast<QMainWindow&>(*candidate);
-    }
-  }
-  throw std::runtime_error("there is no main window");
+  auto* const found = find_widget<QMainWindow>([](const QMainWindow& one) { return one.inherits("MainWindow"); });
+  require(found, "there is no main window");
+  return *found;
 }
 
 void add_window_commands(Commands& commands) {
-  commands["actions"] = find_actions;
+  commands["action"] = describe_action;
   commands["trigger"] = trigger;
-  commands["widget"] = get_widget;
+  commands["widget"] = [](const QJsonObject& arguments) { return Answer{describe(widget(arguments))}; };
   commands["widgets"] = list_widgets;
   commands["set"] = set_widget;
-  commands["tab"] = find_tab;
+  commands["tab"] = choose_tab;
   commands["touch"] = touch;
   commands["click"] = click;
-  commands["buttons"] = buttons;
   commands["close"] = close_widget;
   commands["dialog"] = dialog;
   commands["answer"] = answer_dialog;
@@ -435,7 +344,7 @@ void add_window_commands(Commands& commands) {
   commands["resize"] = resize;
   commands["clipboard"] = clipboard;
   commands["print"] = print;
-  commands["quit"] = quit;
+  commands["quit"] = [](const QJsonObject&) { return Answer{{}, [window = &main_window()] { window->close(); }}; };
 }
 
 }  // namespace gui_driver
