@@ -12,15 +12,6 @@ F1 = 67  # the keycode: newer keymaps have F1 at a level with Alt as well, which
 
 
 class Keyboard(ToolTest):
-    def hover(self, w, vertex=None):
-        w.x("mousemove", *self.on_screen(w, self.CENTRE if vertex is None else vertex))
-        self.settle(w)
-
-    def click_on(self, w, name):
-        x, y, width, height = w.widget(name)["rectangle"]
-        w.x("mousemove", x + min(width // 2, 40), y + height // 2, "sleep", 0.05, "click", 1)
-        self.settle(w)
-
     def wait_mode(self, w, index):
         w.wait(lambda: w.widget(part("mode"))["currentIndex"] == index, "the key was not for the picture", 20)
 
@@ -30,7 +21,7 @@ class Keyboard(ToolTest):
             w.trigger("Front")
             self.shade_smoothly(w)
             w.x_focus()
-            w.x("mousemove", *self.on_screen(w, self.CENTRE))
+            self.hover(w)
             w.x("key", "ctrl+alt+l")
             w.wait_output("Started Mode " + TOOL)
             self.hover(w, self.CENTRE + 1)
@@ -98,8 +89,7 @@ class Keyboard(ToolTest):
     def give_focus(self, w, name, kind):
         """As a user would: by a click, in a list or a dialog as well."""
         for _ in range(2 if kind == "QToolButton" else 1):
-            x, y, width, height = w.widget(name)["rectangle"]
-            w.x("mousemove", x + min(width // 2, 40), y + height // 2, "sleep", 0.05, "click", 1)
+            self.click_widget(w, name)
         if kind == "QComboBox":
             w.x("key", "Escape")  # closes the list
         elif name in map(part, ("save", "load")):
@@ -111,7 +101,7 @@ class Keyboard(ToolTest):
         fields = {"QDoubleSpinBox", "QLineEdit"}
         with self.start(self.mesh, disc=20) as w:
             w.x_focus()
-            widgets = {v["name"]: v for v in w.ask("widgets", inside=PANEL)["widgets"] if v["name"].startswith(part(""))}
+            widgets = {name: v for name, v in w.widgets(inside=PANEL).items() if name.startswith(part(""))}
             for name, widget in widgets.items():
                 self.assertEqual(widget["takes_keys"], widget["class"] in fields, name)
             for name in map(part, ("radius", "mode", "detail", "group_region", "undo", "save", "help", "last_value")):
@@ -150,13 +140,13 @@ class Keyboard(ToolTest):
             w.x_focus()
             w.click(*w.pixel(self.CENTRE))
             radius = w.widget(part("radius"))["value"]
-            self.click_on(w, part("radius"))
+            self.click_widget(w, part("radius"))
             self.hover(w)
             self.x_key(w, "t", "x", "period", "2", "Return")
             self.assertEqual(self.steps_of(w)[0]["handles"][0]["translation"], [0.2, 0, 0])
             self.assertEqual(w.widget(part("radius"))["value"], radius)
             w.x_focus()
-            self.click_on(w, part("radius"))
+            self.click_widget(w, part("radius"))
             self.x_key(w, "ctrl+a", "3", "Escape")  # typed, and given up
             self.assertEqual(w.tool(), (TOOL, False))
             self.assertEqual(w.widget(part("radius"))["value"], radius)
@@ -164,8 +154,7 @@ class Keyboard(ToolTest):
     def test_double_click_selects_a_whole_number(self):
         with self.start(self.mesh) as w:
             w.x_focus()
-            x, y, _, height = w.widget(part("radius"))["rectangle"]
-            w.x("mousemove", x + 30, y + height // 2, "click", "--repeat", 2, "--delay", 60, 1)
+            self.click_widget(w, part("radius"), right=30, repeat=2)
             self.x_key(w, "period", "3", "Return")
             self.assertEqual(w.widget(part("radius"))["value"], 0.3)
 
@@ -231,8 +220,7 @@ class Line(ToolTest):
         with self.start(self.mesh, disc=20) as w:
             pixel = self.pull(w, self.CENTRE, (150, -250), release=False)
             w.wait_message("folded over|times as long")
-            w.mouse("release", *pixel)
-            w.idle()
+            w.release(*pixel)
             self.assertRegex(self.message(w), "Click here to see where")
             before = w.dump()
             self.press_line(w)
@@ -346,8 +334,7 @@ class Snap(ToolTest):
             w.layer(1, visible=True)
             w.drag(start, to, release=False)
             self.assertRegex(self.message(w), "snapped")
-            w.mouse("release", *to)
-            w.idle()
+            w.release(*to)
             for there, wanted in zip(w.dump(0).triples()[self.CENTRE], points[self.CENTRE - 3 * self.ROWS]):
                 self.assertAlmostEqual(there, wanted, delta=0.01)
             self.assert_replay_is_the_same(w, self.mesh)

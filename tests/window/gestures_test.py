@@ -47,8 +47,7 @@ class Gestures(ToolTest):
         mesh = pathlib.Path(shutil.copy(self.mesh, self.folder / "copy.ply"))
         with self.window(mesh=mesh) as w:
             before = w.dump()
-            w.x("mousemove", *self.on_screen(w, self.CENTRE))
-            self.settle(w)
+            self.hover(w)
             radius = w.widget(part("radius"))["value"]
             w.x("click", WHEEL_UP)
             self.settle(w)
@@ -116,7 +115,7 @@ class Gestures(ToolTest):
             w.x("key", "ctrl+e")  # opens a dialog, which takes the release
             w.wait_dialog(has_keys=True)
             w.x("mouseup", 1, "key", "Escape")
-            w.wait(lambda: not w.dialog().get("title"), "the dialog stays open", 20)
+            self.wait_closed(w)
             w.wait(lambda: self.last_step(w)["handles"][0]["translation"] != whole, "nothing was applied", 20)
             percent = w.widget(part("last_fraction"))["value"]
             self.assertTrue(30 < percent < 70, percent)

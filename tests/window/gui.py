@@ -87,8 +87,7 @@ class Window(XProgram):
         return True
 
     def _opened(self, files):
-        found = self.dialog()
-        if found:
+        if found := self.dialog():
             self.fail(f"MeshLab begins with the dialog {found}")
         return not files or self._printed("All files opened")
 
@@ -101,21 +100,14 @@ class Window(XProgram):
             self.reader.join(5)
             sentence += f"; MeshLab ended with {code}"
         except subprocess.TimeoutExpired:
-            pass
+            try:  # MeshLab may be waiting for an answer that nobody gives
+                self.socket.settimeout(2)
+                self.socket.sendall(b'{"command": "dialog"}\n')
+                sentence += f"; open is the dialog {self.answers.readline().strip()}"
+            except OSError:
+                pass
         recent = "\n".join(self.recent)
-        raise AssertionError(f"{sentence}{self._open_dialog()}\nWhat was asked last:\n{recent}\n"
-                             f"Output of MeshLab:\n{self.text()}")
-
-    def _open_dialog(self):
-        """For a message: MeshLab may be waiting for an answer that nobody gives."""
-        if self.process.poll() is not None:
-            return ""
-        try:
-            self.socket.settimeout(2)
-            self.socket.sendall(b'{"command": "dialog"}\n')
-            return f"; open is the dialog {self.answers.readline().strip()}"
-        except OSError:
-            return ""
+        raise AssertionError(f"{sentence}\nWhat was asked last:\n{recent}\nOutput of MeshLab:\n{self.text()}")
 
     def kill(self):
         self.process.kill()
@@ -137,8 +129,6 @@ class Window(XProgram):
             self.answers.close()
             self.socket.close()
             self.process.stdout.close()
-
-    # From inside ------------------------------------------------------------------------------------------------------
 
     def ask(self, command, **arguments):
         line = json.dumps({"command": command, **{k: v for k, v in arguments.items() if v is not None}})
@@ -172,23 +162,28 @@ class Window(XProgram):
         """Until the drag is painted as the mouse has it; idle() also waits for the tool to solve in full."""
         self.ask("idle", seconds=PATIENCE, frame=True)
 
-    def mouse(self, kind, x, y, button="left", modifiers=()):
+    def do(self, command, wait=True, **arguments):
+        """A request and what follows from it. wait: False if it opens a dialog"""
+        self.ask(command, **arguments)
+        if wait:
+            self.idle()
+
+    def mouse(self, kind, x, y, button="left", modifiers=(), wait=False):
         """kind: press, move, release or double; pixels of the view, from its upper left corner"""
-        self.ask("mouse", type=kind, x=x, y=y, button=button, modifiers=list(modifiers))
+        self.do("mouse", wait, type=kind, x=x, y=y, button=button, modifiers=list(modifiers))
 
     def click(self, x, y, button="left", modifiers=()):
         """Waits until the click has been painted, and so handled."""
-        self.mouse("press", x, y, button, modifiers)
-        self.idle()
-        self.mouse("release", x, y, button, modifiers)
-        self.idle()
+        self.mouse("press", x, y, button, modifiers, wait=True)
+        self.release(x, y, button, modifiers)
+
+    def release(self, x, y, button="left", modifiers=()):
+        self.mouse("release", x, y, button, modifiers, wait=True)
 
     def drag(self, start, end, button="left", modifiers=(), steps=5, release=True):
-        self.mouse("press", *start, button, modifiers)
-        self.idle()
+        self.mouse("press", *start, button, modifiers, wait=True)
         for i in range(1, steps + 1):
-            x, y = (a + (b - a) * i / steps for a, b in zip(start, end))
-            self.mouse("move", x, y, button, modifiers)
+            self.mouse("move", *(a + (b - a) * i / steps for a, b in zip(start, end)), button, modifiers)
             self.seen()
         if release:
             self.mouse("release", *end, button, modifiers)
@@ -196,12 +191,10 @@ class Window(XProgram):
 
     def move(self, x, y, modifiers=()):
         """Without a button, except those that are held."""
-        self.mouse("move", x, y, modifiers=modifiers)
-        self.idle()
+        self.mouse("move", x, y, modifiers=modifiers, wait=True)
 
     def wheel(self, x, y, notches, modifiers=()):
-        self.ask("wheel", x=x, y=y, delta=120 * notches, modifiers=list(modifiers))
-        self.idle()
+        self.do("wheel", x=x, y=y, delta=120 * notches, modifiers=list(modifiers))
 
     def key(self, *keys, modifiers=()):
         """Characters, or names such as Return, Backspace and Esc; each pressed and released."""
@@ -214,29 +207,23 @@ class Window(XProgram):
         return self.ask("action", text=text)
 
     def trigger(self, text, wait=True):
-        """wait: False if it opens a dialog"""
-        self.ask("trigger", text=text)
-        if wait:
-            self.idle()
+        self.do("trigger", wait, text=text)
 
     def widget(self, name):
         return self.ask("widget", name=name)
 
-    def widgets(self, prefix):
-        return {w["name"]: w for w in self.ask("widgets", prefix=prefix)["widgets"]}
+    def widgets(self, prefix="", inside=None):
+        """By their names: those that begin with a prefix, or those inside a widget."""
+        return {w["name"]: w for w in self.ask("widgets", prefix=prefix, inside=inside)["widgets"]}
 
     def set(self, name, value):
-        self.ask("set", name=name, value=value)
-        self.idle()
+        self.do("set", name=name, value=value)
 
     def press_button(self, name=None, text=None, wait=True):
-        self.ask("click", name=name, text=text)
-        if wait:
-            self.idle()
+        self.do("click", wait, name=name, text=text)
 
     def close_widget(self, name):
-        self.ask("close", name=name)
-        self.idle()
+        self.do("close", name=name)
 
     def dialog(self):
         """The modal dialog that is open, {} if none is; "files" are those chosen in a dialog for files."""
@@ -259,7 +246,7 @@ class Window(XProgram):
     def run_filter(self, name):
         """With its default parameters, as from the menu."""
         self.trigger(name)
-        if any(w["visible"] and w.get("text") == "Apply" for w in self.ask("widgets", prefix="")["widgets"]):
+        if any(w["visible"] and w.get("text") in ("Apply", "&Apply") for w in self.ask("widgets")["widgets"]):
             self.press_button(text="Apply")
             self.press_button(text="Close")
 
@@ -268,13 +255,11 @@ class Window(XProgram):
 
     def layer(self, layer=None, **changes):
         """Changes of a layer: current, visible, smooth, matrix, selected_faces, selected_vertices, remove."""
-        self.ask("layer", layer=layer, **changes)
-        self.idle()
+        self.do("layer", layer=layer, **changes)
 
     def dump(self, layer=None):
         path = self.folder / "dump"
-        reply = self.ask("dump", layer=layer, path=str(path))
-        return Dump(reply, path.read_bytes())
+        return Dump(self.ask("dump", layer=layer, path=str(path)), path.read_bytes())
 
     def pixel(self, vertex, layer=None):
         return self.project(vertices=[vertex], layer=layer)[0]
@@ -336,8 +321,7 @@ class Window(XProgram):
         return path
 
     def resize(self, width, height):
-        self.ask("resize", width=width, height=height)
-        self.idle()
+        self.do("resize", width=width, height=height)
 
     def threads(self):
         return len(list(pathlib.Path(f"/proc/{self.process.pid}/task").iterdir()))
@@ -365,8 +349,6 @@ class Window(XProgram):
 
     def wait_output(self, text):
         self.wait(lambda: self._printed(text), f"no {text!r} in MeshLab's output")
-
-    # From outside -----------------------------------------------------------------------------------------------------
 
     def x_focus(self):
         """Gives the keyboard to the main window: there is no window manager that would."""

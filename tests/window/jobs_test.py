@@ -68,8 +68,7 @@ class Jobs(ToolTest):
     def test_a_dent_becomes_flat_in_two_actions(self):
         with self.start(self.dent, disc=20) as w:
             before = w.dump()
-            w.x("mousemove", *self.on_screen(w, self.MIDDLE), "sleep", 0.3, "click", 1)  # 1
-            self.settle(w)
+            self.x_click(w, self.MIDDLE)  # 1
             self.slide_to_flat(w)  # 2
             step, = self.steps_of(w)
             self.assertEqual(step["detail"], 0)
@@ -90,8 +89,7 @@ class Jobs(ToolTest):
         with self.start(pipe, disc=20) as w:
             before = w.dump()
             w.x_focus()
-            w.x("mousemove", *self.on_screen(w, corner(57, 0)), "sleep", 0.3, "click", 1)  # 1
-            self.settle(w)
+            self.x_click(w, corner(57, 0))  # 1
             w.x("click", "--repeat", 12, 4)  # 2: the wheel
             self.settle(w)
             self.x_key(w, "p", "p")  # 3
@@ -127,8 +125,7 @@ class Jobs(ToolTest):
     def test_a_tower_stops_at_a_wall(self):
         with self.start(self.scene, disc=20) as w:
             w.set(part("contact"), True)
-            w.x("mousemove", *self.on_screen(w, self.MIDDLE), "sleep", 0.3, "click", 1)
-            self.settle(w)
+            self.x_click(w, self.MIDDLE)
             self.x_key(w, "t", "x", "0", "period", "4")
             self.settle(w)
             colours = w.grab(self.folder / "screen.ppm").read_bytes()

@@ -52,8 +52,7 @@ class Navigate(ToolTest):
             before = w.dump()
             x, y = self.pull(w, self.CENTRE, (30, 30), release=False)
             w.layer(visible=False)
-            w.mouse("release", x, y)
-            w.idle()
+            w.release(x, y)
             w.layer(visible=True)
             w.move(x - 40, y)
             self.assert_same(before, w.dump())
@@ -115,8 +114,7 @@ class Leave(LeavingTest):
             self.assert_same(applied, w.dump())
             # The mouse button is still down.
             w.mouse("move", 300, 310)
-            w.mouse("release", 300, 320)
-            w.idle()
+            w.release(300, 320)
             self.assert_same(applied, w.dump())
 
     def test_by_closing_the_panel(self):
@@ -295,8 +293,7 @@ class Leave(LeavingTest):
             before = w.dump(0), w.dump(1)
             pixel = self.pull(w, self.CENTRE, (30, 30), release=False)
             w.layer(1, current=True)
-            w.mouse("release", *pixel)
-            w.idle()
+            w.release(*pixel)
             self.assert_same(before[0], w.dump(0))
             self.assert_same(before[1], w.dump(1))
 
@@ -340,8 +337,7 @@ class Leave(LeavingTest):
             w.trigger("Import Mesh...", wait=False)
             w.answer(path=other)
             w.wait(lambda: w.widget(part("content"))["enabled"], "the panel stays grey", 20)
-            w.mouse("release", 320, 300)
-            w.idle()
+            w.release(320, 300)
             self.assertEqual(w.tool(), (TOOL, False))
             self.assert_same(before, w.dump(0))
             self.assertNotRegex(self.message(w), "no vertices|reading")
@@ -388,8 +384,7 @@ class Leave(LeavingTest):
             w.trigger("Reload", wait=False)
             w.idle()
             w.move(320, 300)
-            w.mouse("release", 320, 300)
-            w.idle()
+            w.release(320, 300)
             self.assertEqual(before.point_bits(), w.dump().point_bits())
             self.assert_finite(w.dump())
 

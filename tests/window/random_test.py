@@ -42,8 +42,7 @@ class Events:
         self.replayed = 0
         self.requests = []
         self.sent = 0
-        panel = window.ask("widgets", inside=part("panel"))["widgets"]
-        names = {w["name"].removeprefix(part("")): w for w in panel if w["name"].startswith(part(""))}
+        names = {name.removeprefix(part("")): w for name, w in window.widgets(inside=part("panel")).items() if name.startswith(part(""))}
         self.choices = {name: w for name, w in names.items() if "currentIndex" in w and name not in SETTINGS}
         self.buttons = sorted({name for name, w in names.items() if "checked" in w} - LEFT_ALONE)
         self.touched = sorted(names.keys() - LEFT_ALONE)

@@ -71,6 +71,26 @@ class ToolTest(GuiTest):
         (left, top), (x, y) = window.view_corner(), window.pixel(vertex)
         return round(left + x), round(top + y)
 
+    def hover(self, window, vertex=None):
+        """Puts the mouse on a vertex, the one in the middle if none is given."""
+        window.x("mousemove", *self.on_screen(window, self.CENTRE if vertex is None else vertex))
+        self.settle(window)
+
+    def x_click(self, window, vertex):
+        """After a pause in which what is under the mouse is found."""
+        window.x("mousemove", *self.on_screen(window, vertex), "sleep", 0.3, "click", 1)
+        self.settle(window)
+
+    def click_widget(self, window, name, right=40, repeat=1):
+        """In its middle, but at most so many pixels from its left side."""
+        x, y, width, height = window.widget(name)["rectangle"]
+        window.x("mousemove", round(x + min(width // 2, right)), round(y + height // 2), "sleep", 0.05,
+                 "click", "--repeat", repeat, "--delay", 60, 1)
+        self.settle(window)
+
+    def wait_closed(self, window):
+        window.wait(lambda: not window.dialog().get("title"), "the dialog stays open", 20)
+
     def settle(self, window):
         """Until the window has what xdotool sent: X events come by another way than the driver's questions. The X server
         handles another program's request once it has handled those; idle() takes the events that it then has sent."""

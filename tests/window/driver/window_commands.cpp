@@ -106,7 +106,8 @@ Answer list_widgets(const QJsonObject& arguments) {
   const QWidget* inside = arguments.contains("inside") ? &widget({{"name", arguments["inside"]}}) : nullptr;
   QJsonArray found;
   for (const QWidget* candidate : QApplication::allWidgets()) {
-    const bool is_meant = inside ? inside->isAncestorOf(candidate) : candidate->objectName().startsWith(prefix);
+    const bool is_meant =
+        inside ? inside->isAncestorOf(candidate) : prefix.isEmpty() || candidate->objectName().startsWith(prefix);
     if (is_meant) found += describe(*candidate);
   }
   return {{{"widgets", found}}};
