@@ -29,43 +29,35 @@ HandleTransform transform(Choices& choose) {
   result.translation = vector(choose);
   if (kind == 0) {
     result.matrix.emplace();
-    for (int k = 0; k < 12; ++k) {
-      (*result.matrix)(k / 4, k % 4) = choose.real();
-    }
+    for (int k = 0; k < 12; ++k) (*result.matrix)(k / 4, k % 4) = choose.real();
   }
   if ((kind & 1) != 0) {
     result.axis = vector(choose);
     result.degrees = 100 * choose.real();
   }
-  if ((kind & 2) != 0) {
-    result.scale = choose.real();
-  }
-  if ((kind & 4) != 0) {
-    result.center = vector(choose);
-  }
+  if ((kind & 2) != 0) result.scale = choose.real();
+  if ((kind & 4) != 0) result.center = vector(choose);
   return result;
 }
 
 RegionSpec region(Choices& choose, const TriangleMesh& mesh) {
   RegionSpec result;
-  switch (choose.below(4)) {
-    case 0:
-      result.kind = RegionSpec::Kind::Component;
-      break;
-    case 1:
-      result.kind = RegionSpec::Kind::Vertices;
-      result.vertices = random_vertices(choose, mesh);
-      if (choose.flag()) {
-        result.anchors.vertices = random_vertices(choose, mesh);
-        for (std::size_t k = 0; k < result.anchors.vertices.size(); ++k) {
-          result.anchors.weights.push_back(choose.below(5) / 4.0);
-          result.anchors.depths.push_back(choose.below(5) / 4.0);
-        }
-        result.anchors.reach = choose.real();
+  const int kind = choose.below(4);
+  if (kind == 0) {
+    result.kind = RegionSpec::Kind::Component;
+  } else if (kind == 1) {
+    result.kind = RegionSpec::Kind::Vertices;
+    result.vertices = random_vertices(choose, mesh);
+    if (choose.flag()) {
+      result.anchors.vertices = random_vertices(choose, mesh);
+      for (std::size_t k = 0; k < result.anchors.vertices.size(); ++k) {
+        result.anchors.weights.push_back(choose.below(5) / 4.0);
+        result.anchors.depths.push_back(choose.below(5) / 4.0);
       }
-      break;
-    default:
-      result.radius = choose.real();
+      result.anchors.reach = choose.real();
+    }
+  } else {
+    result.radius = choose.real();
   }
   if (choose.flag()) {
     result.padding = choose.below(11) / 10.0;
@@ -76,21 +68,15 @@ RegionSpec region(Choices& choose, const TriangleMesh& mesh) {
 
 EditSettings settings(Choices& choose) {
   EditSettings result;
-  if (choose.below(4) == 0) {
-    result = EditSettings::of(EditMethod::Paper);
-  }
+  if (choose.below(4) == 0) result = EditSettings::of(EditMethod::Paper);
   for (int k = choose.below(4); k > 0; --k) {
     const Setting& setting =
         settings_table()[static_cast<std::size_t>(choose.below(static_cast<int>(settings_table().size())))];
-    switch (setting.kind) {
-      case Setting::Kind::Choice:
-        setting.set(result, choose.below(static_cast<int>(setting.choices.size())));
-        break;
-      case Setting::Kind::Whole:
-        setting.set(result, choose.below(5));
-        break;
-      default:
-        setting.set(result, choose.flag() ? choose.byte() : choose.real());
+    const bool is_choice = setting.kind == Setting::Kind::Choice;
+    if (is_choice || setting.kind == Setting::Kind::Whole) {
+      setting.set(result, choose.below(is_choice ? static_cast<int>(setting.choices.size()) : 5));
+    } else {
+      setting.set(result, choose.flag() ? choose.byte() : choose.real());
     }
   }
   return result;
@@ -102,18 +88,14 @@ Edit edit_of(Choices& choose, const TriangleMesh& mesh) {
     EditStep step;
     for (int groups = 1 + choose.below(8) / 6; groups > 0; --groups) {
       HandleGroup group{random_vertices(choose, mesh), transform(choose)};
-      if (choose.below(8) == 0) {
-        for (std::size_t k = 0; k < group.vertices.size(); ++k) {
-          group.weights.push_back((1 + choose.below(4)) / 4.0);
-        }
+      for (std::size_t k = choose.below(8) == 0 ? group.vertices.size() : 0; k > 0; --k) {
+        group.weights.push_back((1 + choose.below(4)) / 4.0);
       }
       step.handles.push_back(std::move(group));
     }
     step.region = region(choose, mesh);
     step.settings = settings(choose);
-    if (choose.below(8) == 0) {
-      step.mirror = MirrorPlane{vector(choose), vector(choose)};
-    }
+    if (choose.below(8) == 0) step.mirror = MirrorPlane{vector(choose), vector(choose)};
     edit.steps.push_back(std::move(step));
   }
   return edit;
@@ -126,18 +108,10 @@ VertexQuery positions(Choices& choose, const TriangleMesh& mesh) {
     return choose.below(4) == 1 ? vector(choose) : vertex;
   };
   VertexQuery result;
-  switch (choose.below(3)) {
-    case 0:
-      result.selected = true;
-      break;
-    case 1:
-      result.within = VertexQuery::Disc{point(), choose.real()};
-      break;
-    default:
-      for (int k = choose.below(5); k >= 0; --k) {
-        result.points.push_back(point());
-      }
-  }
+  const int kind = choose.below(3);
+  result.selected = kind == 0;
+  if (kind == 1) result.within = VertexQuery::Disc{point(), choose.real()};
+  for (int k = kind == 2 ? choose.below(5) : -1; k >= 0; --k) result.points.push_back(point());
   return result;
 }
 

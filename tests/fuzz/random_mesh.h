@@ -31,30 +31,16 @@ inline TriangleMesh soup(Choices& choose) {
 inline TriangleMesh plain_mesh(Choices& choose) {
   const int kind = choose.below(12);
   const int a = 2 + choose.below(10), b = 2 + choose.below(10);
-  switch (kind) {
-    case 0:
-      return shapes::icosphere(choose.below(2));
-    case 1:
-      return shapes::cylinder(2 + a, b);
-    case 2:
-      return shapes::bar(1 + a % 4, 1 + b % 4, 1 + choose.below(3));
-    case 3:
-      return shapes::two_pieces(choose.below(2));
-    case 4:
-      return shapes::degenerate_grid(2 + a, 2 + b);
-    case 5:
-      return shapes::non_manifold_grid(2 + a, 2 + b);
-    case 6:
-      return shapes::inconsistent_grid(a, b);
-    case 7:
-      return shapes::letter_field(a, b);
-    case 8:
-      return soup(choose);
-    case 9:
-      return shapes::icosphere(2);
-    default:
-      return shapes::grid(a, b);
-  }
+  if (kind == 0) return shapes::icosphere(choose.below(2));
+  if (kind == 1) return shapes::cylinder(2 + a, b);
+  if (kind == 2) return shapes::bar(1 + a % 4, 1 + b % 4, 1 + choose.below(3));
+  if (kind == 3) return shapes::two_pieces(choose.below(2));
+  if (kind == 4) return shapes::degenerate_grid(2 + a, 2 + b);
+  if (kind == 5) return shapes::non_manifold_grid(2 + a, 2 + b);
+  if (kind == 6) return shapes::inconsistent_grid(a, b);
+  if (kind == 7) return shapes::letter_field(a, b);
+  if (kind == 8) return soup(choose);
+  return kind == 9 ? shapes::icosphere(2) : shapes::grid(a, b);
 }
 
 /// Of 1 to 200 vertices in single precision, some of them moved.
@@ -73,17 +59,12 @@ inline TriangleMesh random_mesh(Choices& choose) {
 inline std::vector<int> random_vertices(Choices& choose, const TriangleMesh& mesh) {
   std::vector<int> vertices;
   const int n = vertex_count(mesh), kind = choose.below(32);
-  if (kind == 0) {
-    vertices = {n};
-  } else if (kind == 1) {
-    for (int v = choose.index(n); v < n; ++v) {
-      vertices.push_back(v);
-    }
-  } else {
-    for (int k = kind % 5; k >= 0; --k) {
-      vertices.push_back(choose.index(n));
-    }
+  if (kind == 0) return {n};
+  if (kind == 1) {
+    for (int v = choose.index(n); v < n; ++v) vertices.push_back(v);
+    return vertices;
   }
+  for (int k = kind % 5; k >= 0; --k) vertices.push_back(choose.index(n));
   return vertices;
 }
 

@@ -59,92 +59,53 @@ struct Player {
     const Cursor at = cursor();
     const int held = choose.below(8);
     const PressModifiers modifiers{held == 1, held == 2};
-    switch (kind) {
-      case 0:
-        session().hover(at, modifiers);
-        break;
-      case 1:
-      case 2:
-        session().press(at, modifiers);
-        break;
-      case 3:
-        session().release(at);
-        break;
-      case 4:
-        session().key(static_cast<DragKey>(choose.below(static_cast<int>(DragKey::Redo) + 1)), at);
-        break;
-      case 5:
-        // A drag in one event: else few inputs come that far.
-        session().press(at, modifiers);
-        session().move(cursor());
-        session().release(cursor());
-        break;
-      default:
-        session().move(at);
+    if (kind == 0) return void(session().hover(at, modifiers));
+    if (kind == 1 || kind == 2) return void(session().press(at, modifiers));
+    if (kind == 3) return session().release(at);
+    if (kind == 4) {
+      return void(session().key(static_cast<DragKey>(choose.below(static_cast<int>(DragKey::Redo) + 1)), at));
     }
+    if (kind == 6) return session().move(at);
+    // A drag in one event: else few inputs come that far.
+    session().press(at, modifiers);
+    session().move(cursor());
+    session().release(cursor());
   }
 
   void button(int kind) {
-    const TriangleMesh& mesh = session().mesh();
-    switch (kind) {
-      case 0:
-        session().set_settings(settings(choose, session().settings()));
-        break;
-      case 1:
-        session().set(&Tools::paint,
-                      choose.flag() ? std::optional(static_cast<BrushTarget>(choose.below(3))) : std::nullopt);
-        choose.flag() ? session().change_painted(static_cast<PaintChange>(choose.below(3))) : session().leave();
-        session().set(&Tools::mode, static_cast<HandleMode>(choose.below(2)));
-        break;
-      case 2:
-        session().set(&Tools::gizmo, choose.flag());
-        session().set(&Tools::axes, static_cast<GizmoAxes>(choose.below(3)));
-        session().set(&Tools::pivot, static_cast<Pivot>(choose.below(3)));
-        break;
-      case 3:
-        session().set_painted(BrushTarget::Anchors, random_vertices(choose, mesh));
-        break;
-      case 4:
-        session().set_painted(BrushTarget::Region, random_vertices(choose, mesh));
-        break;
-      case 5: {
-        const int axis = choose.below(4);
-        session().set(&Tools::mirror,
-                      axis == 3 ? std::nullopt : std::optional(MirrorPlane{direction(choose), Vector3::Unit(axis)}));
-        break;
-      }
-      case 6:
-        choose.flag() ? session().find_mirror() : session().leave();
-        break;
-      case 7:
-        choose.flag() ? session().key(DragKey::Grow) : session().key(DragKey::Shrink);
-        break;
-      case 8:
-        choose.flag() ? session().whole_component() : void(session().key(DragKey::NewRegion));
-        break;
-      case 9:
-        choose.flag() ? void(session().key(DragKey::NextGroup)) : session().clear();
-        break;
-      case 10:
-        choose.flag() ? void(session().key(DragKey::Apply)) : session().cancel();
-        break;
-      case 11:
-        choose.flag() ? session().undo() : session().redo();
-        break;
-      case 12:
-        saved = session().recorded();
-        break;
-      case 13:
-        if (saved.steps.size() < 3) {
-          session().load(saved);
-        }
-        break;
-      case 14:
-        window.view = support::view_from(10 * direction(choose), mesh.vertices.row(0).transpose());
-        break;
-      default:
-        session().finish({});
+    DragSession& s = session();
+    const TriangleMesh& mesh = s.mesh();
+    const auto key = [&](DragKey which) { s.key(which); };
+    if (kind == 0) return s.set_settings(settings(choose, s.settings()));
+    if (kind == 1) {
+      s.set(&Tools::paint, choose.flag() ? std::optional(static_cast<BrushTarget>(choose.below(3))) : std::nullopt);
+      choose.flag() ? s.change_painted(static_cast<PaintChange>(choose.below(3))) : s.leave();
+      return s.set(&Tools::mode, static_cast<HandleMode>(choose.below(2)));
     }
+    if (kind == 2) {
+      s.set(&Tools::gizmo, choose.flag());
+      s.set(&Tools::axes, static_cast<GizmoAxes>(choose.below(3)));
+      return s.set(&Tools::pivot, static_cast<Pivot>(choose.below(3)));
+    }
+    if (kind == 3) return s.set_painted(BrushTarget::Anchors, random_vertices(choose, mesh));
+    if (kind == 4) return s.set_painted(BrushTarget::Region, random_vertices(choose, mesh));
+    if (kind == 5) {
+      const int axis = choose.below(4);
+      return s.set(&Tools::mirror,
+                   axis == 3 ? std::nullopt : std::optional(MirrorPlane{direction(choose), Vector3::Unit(axis)}));
+    }
+    if (kind == 6) return choose.flag() ? s.find_mirror() : s.leave();
+    if (kind == 7) return key(choose.flag() ? DragKey::Grow : DragKey::Shrink);
+    if (kind == 8) return choose.flag() ? s.whole_component() : key(DragKey::NewRegion);
+    if (kind == 9) return choose.flag() ? key(DragKey::NextGroup) : s.clear();
+    if (kind == 10) return choose.flag() ? key(DragKey::Apply) : s.cancel();
+    if (kind == 11) return choose.flag() ? s.undo() : s.redo();
+    if (kind == 12) return void(saved = s.recorded());
+    if (kind == 13) return saved.steps.size() < 3 ? s.load(saved) : void();
+    if (kind == 14) {
+      return void(window.view = support::view_from(10 * direction(choose), mesh.vertices.row(0).transpose()));
+    }
+    s.finish({});
   }
 
   /// Until what was asked is answered. Not wait(): that is also for the pause of the mouse after which a drag is posed
@@ -207,9 +168,7 @@ struct Player {
     if (!edit.steps.empty()) {
       const EditResult result =
           apply_edit(s.original(), read_edit(write_edit(edit)), 1, StoredScalar::Float, {}, {1 + choose.below(3)});
-      for (std::size_t k = 0; k < result.vertices.size(); ++k) {
-        replayed.row(result.vertices[k]) = result.positions.row(static_cast<Eigen::Index>(k));
-      }
+      scatter(result.vertices, result.positions, replayed);
     }
     require(same_bits(replayed, edited), "the record replays from JSON to the same bits");
     const std::size_t actions = s.timeline().done().size();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
-
+//
+// Any bytes as a mesh file of the format that LAPEDIT_FUZZED_READER reads.
 #include <cmath>
 #include <string>
 
@@ -9,18 +9,19 @@
 #include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit::fuzz {
+namespace {
 
 /// Returns a number that no other vertex or axis has, and that single precision can hold.
-inline double new_coordinate(int vertex, int axis) {
+double new_coordinate(int vertex, int axis) {
   const auto mixed = static_cast<std::uint32_t>(3 * vertex + axis + 1) * 2654435761U;
   return static_cast<double>(mixed >> 8U) / 4096 - 2048;
 }
 
-inline bool is_same(double a, double b) {
+bool is_same(double a, double b) {
   return a == b || (std::isnan(a) && std::isnan(b));
 }
 
-inline void require_consistent(const MeshFile& file) {
+void require_consistent(const MeshFile& file) {
   const auto vertices = static_cast<int>(file.mesh.vertices.rows());
   require(file.mesh.faces.size() == 0 || (file.mesh.faces.minCoeff() >= 0 && file.mesh.faces.maxCoeff() < vertices),
           "all corners are in range");
@@ -39,7 +40,7 @@ inline void require_consistent(const MeshFile& file) {
 }
 
 /// Moves every third vertex. One coordinate of each stays.
-inline EditResult moved(const MeshFile& file, int first) {
+EditResult moved(const MeshFile& file, int first) {
   EditResult result;
   for (int v = first; v < file.mesh.vertices.rows(); v += 3) {
     if (file.mesh.vertices.row(v).allFinite()) {
@@ -55,8 +56,14 @@ inline EditResult moved(const MeshFile& file, int first) {
   return result;
 }
 
+}  // namespace
+}  // namespace lapedit::fuzz
+
 /// Reads bytes as a file of a format: it is refused, or an edit changes what it should, and nothing else.
-inline int run(MeshReader read, const std::uint8_t* data, std::size_t size) {
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace lapedit;
+  using namespace lapedit::fuzz;
+  const MeshReader read = LAPEDIT_FUZZED_READER;
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   MeshFile file;
   try {
@@ -81,5 +88,3 @@ inline int run(MeshReader read, const std::uint8_t* data, std::size_t size) {
   }
   return 0;
 }
-
-}  // namespace lapedit::fuzz

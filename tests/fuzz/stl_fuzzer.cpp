@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-//
-// Any bytes as a file of the format STL.
-#include "mesh_file_fuzz.h"
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lapedit::fuzz::run(readStl, data, size);
-}
