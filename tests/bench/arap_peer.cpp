@@ -55,21 +55,15 @@ MethodResult deformed(const Problem& scene, int iterations) {
   std::vector<int> handles;  // local
   for (int i = 0; i < region.size(); ++i) {
     const auto v = index_of(region.mesh_vertex[i]);
-    if (surface.is_isolated(v)) {
-      continue;
-    }
+    if (surface.is_isolated(v)) continue;
     if (region.classes[i] == VertexClass::Free) {
       deformation.insert_roi_vertex(v);
     } else {
       deformation.insert_control_vertex(v);
     }
-    if (region.classes[i] == VertexClass::Handle) {
-      handles.push_back(i);
-    }
+    if (region.classes[i] == VertexClass::Handle) handles.push_back(i);
   }
-  if (!deformation.preprocess()) {
-    throw std::runtime_error("CGAL could not factorise its matrix");
-  }
+  if (!deformation.preprocess()) throw std::runtime_error("CGAL could not factorise its matrix");
   result.prepare_ms = watch.lap();
   for (const int i : handles) {
     const int v = region.mesh_vertex[i];
@@ -113,9 +107,7 @@ std::vector<std::pair<int, int>> intersecting_pairs(const lapedit::Faces& faces,
   for (const auto& [f, g] : found) {
     const std::pair<int, int> pair = std::minmax(numbers[f], numbers[g]);
     const auto is_looked_at = [&](int face) { return std::binary_search(looked_at.begin(), looked_at.end(), face); };
-    if (f != g && (is_looked_at(pair.first) || is_looked_at(pair.second))) {
-      result.push_back(pair);
-    }
+    if (f != g && (is_looked_at(pair.first) || is_looked_at(pair.second))) result.push_back(pair);
   }
   std::sort(result.begin(), result.end());
   return result;

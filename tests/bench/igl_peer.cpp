@@ -11,9 +11,7 @@ namespace quality {
 namespace {
 
 void require(bool factorised) {
-  if (!factorised) {
-    throw std::runtime_error("libigl could not factorise its matrix");
-  }
+  if (!factorised) throw std::runtime_error("libigl could not factorise its matrix");
 }
 
 }  // namespace

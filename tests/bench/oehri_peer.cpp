@@ -60,9 +60,7 @@ SmoothArap::SmoothArap(const RegionMatrices& problem, Eigen::MatrixXd& positions
       const int i = f[(k + 1) % 3], j = f[(k + 2) % 3];
       const Edge edge{i, j, cotangent(p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]) / 2};
       area[f[k]] += (p[1] - p[0]).cross(p[2] - p[0]).norm() / 6;
-      for (const int corner : {f[0], f[1], f[2]}) {
-        around_[corner].push_back(edge);
-      }
+      for (const int corner : {f[0], f[1], f[2]}) around_[corner].push_back(edge);
       entries.insert(entries.end(),
                      {{i, i, edge.weight}, {j, j, edge.weight}, {i, j, -edge.weight}, {j, i, -edge.weight}});
     }
@@ -135,9 +133,7 @@ void SmoothArap::next() {
   }
   const Eigen::MatrixXd solved = factor_.solve(right - coupling_ * held);
   for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (place_[i] >= 0) {
-      positions_.row(static_cast<Eigen::Index>(i)) = solved.row(place_[i]);
-    }
+    if (place_[i] >= 0) positions_.row(static_cast<Eigen::Index>(i)) = solved.row(place_[i]);
   }
 }
 

@@ -76,9 +76,7 @@ MethodResult ours(const Problem& scene, const lapedit::EditSettings& settings, i
   std::vector<double> frames;
   for (int k = 0; k < kFrames; ++k) {
     std::vector<lapedit::HandleMotion> motions(scene.maps.begin(), scene.maps.end());
-    for (lapedit::HandleMotion& motion : motions) {
-      motion.map.translation() *= 1 - 0.002 * (kFrames - k);
-    }
+    for (lapedit::HandleMotion& motion : motions) motion.map.translation() *= 1 - 0.002 * (kFrames - k);
     watch.lap();
     if (result.fast_frame) {
       solver.frame(motions, frame);
@@ -106,9 +104,7 @@ MethodResult run_method(const std::string& name, const Problem& scene, const fs:
   const auto peer = peers.find(name);
   MethodResult result =
       peer != peers.end() ? peer->second(scene) : ours(scene, step_of(folder / (name + ".json")).settings, threads);
-  if (!result.positions.allFinite()) {
-    throw std::runtime_error("not finite");
-  }
+  if (!result.positions.allFinite()) throw std::runtime_error("not finite");
   return result;
 }
 
@@ -145,9 +141,7 @@ class Intersections {
 
 nlohmann::json region_json(const Problem& scene) {
   nlohmann::json classes = nlohmann::json::array(), maps = nlohmann::json::array();
-  for (const lapedit::VertexClass each : scene.region.classes) {
-    classes.push_back(static_cast<int>(each));
-  }
+  for (const lapedit::VertexClass each : scene.region.classes) classes.push_back(static_cast<int>(each));
   for (const lapedit::Affine& map : scene.maps) {
     const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> rows = map.affine();
     maps.push_back(std::vector<double>(rows.data(), rows.data() + 12));
@@ -174,9 +168,7 @@ int run(int argc, char** argv) {
   for (int k = 0; k < repeat; ++k) {
     for (const std::string& name : methods) {
       std::optional<MethodResult>& kept = best[name];
-      if (k > 0 && (!kept || name == "ARAP100")) {
-        continue;
-      }
+      if (k > 0 && (!kept || name == "ARAP100")) continue;
       try {
         MethodResult result = run_method(name, scene, folder, threads);
         if (kept) {

@@ -28,9 +28,7 @@ RegionMatrices matrices_of(const Problem& scene) {
   std::vector<int> held;
   for (int i = 0; i < region.size(); ++i) {
     problem.rest.row(i) = scene.mesh.vertices.row(region.mesh_vertex[i]);
-    if (region.classes[i] != VertexClass::Free || !has_face[i]) {
-      held.push_back(i);
-    }
+    if (region.classes[i] != VertexClass::Free || !has_face[i]) held.push_back(i);
   }
   problem.held = Eigen::Map<Eigen::VectorXi>(held.data(), static_cast<Eigen::Index>(held.size()));
   problem.positions.resize(problem.held.size(), 3);

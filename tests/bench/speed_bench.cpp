@@ -42,9 +42,7 @@ constexpr int kLargestForCgal = 300000;
 using Runs = std::map<std::string, std::vector<double>>;
 
 void require(bool holds, const char* what, double found) {
-  if (!holds) {
-    throw std::runtime_error(std::string(what) + std::to_string(found));
-  }
+  if (!holds) throw std::runtime_error(std::string(what) + std::to_string(found));
 }
 
 /// CHOLMOD with its defaults: supernodal, ordered by AMD.
@@ -74,9 +72,7 @@ Function* function(const char* name) {
 /// machine.
 void set_blas_threads(int threads) {
   for (const auto& [name, count] : {std::pair("openblas_set_num_threads", threads), {"omp_set_max_active_levels", 0}}) {
-    if (auto* const set = function<void(int)>(name)) {
-      set(count);
-    }
+    if (auto* const set = function<void(int)>(name)) set(count);
   }
 }
 
@@ -140,9 +136,7 @@ Solver make_solver(const Problem& scene, const EditSettings& settings, int threa
 /// As the window does it: large regions have cells in any case.
 void prepare(const Problem& scene, StepSolver& solver, const lapedit::LaplacianSystem* previous = nullptr) {
   constexpr int kPreviewFrom = 12000;
-  if (solver.region().size() >= kPreviewFrom) {
-    solver.make_cells();
-  }
+  if (solver.region().size() >= kPreviewFrom) solver.make_cells();
   solver.prepare(scene.mesh, previous);
 }
 
@@ -163,9 +157,7 @@ std::vector<int> disc(const Problem& scene) {
   std::vector<int> vertices;
   const Eigen::RowVector3d centre = scene.mesh.vertices.row(scene.handles[0][0]);
   for (const int v : scene.region.mesh_vertex) {
-    if ((scene.mesh.vertices.row(v) - centre).norm() <= 0.1 * scene.spec.radius) {
-      vertices.push_back(v);
-    }
+    if ((scene.mesh.vertices.row(v) - centre).norm() <= 0.1 * scene.spec.radius) vertices.push_back(v);
   }
   return vertices;
 }
@@ -281,9 +273,7 @@ Runs measure(int vertices, int rounds) {
   std::mt19937 random(1);
   for (int round = 0; round < rounds; ++round) {
     std::shuffle(methods.begin(), methods.end(), random);
-    for (const auto& method : methods) {
-      method();
-    }
+    for (const auto& method : methods) method();
   }
   return runs;
 }
@@ -334,9 +324,7 @@ void print_tables(const std::vector<int>& sizes, const std::vector<Runs>& measur
     for (std::size_t k = 0; k < sizes.size(); ++k) {
       const std::string over = ratio.over;
       double target = std::numeric_limits<double>::infinity();
-      for (const auto& [from, bound] : ratio.targets) {
-        target = sizes[k] >= from ? bound : target;
-      }
+      for (const auto& [from, bound] : ratio.targets) target = sizes[k] >= from ? bound : target;
       const double other = over == "CHOLMOD" ? std::min(value(measured[k], "CHOLMOD, 1 thread"),
                                                         value(measured[k], "CHOLMOD, 2 threads"))
                                              : value(measured[k], over);
@@ -379,9 +367,7 @@ void print_growth(int vertices) {
   table::print_head({"vertices", "found", "first frame", "cells' frame", "region ready", "frame", "settled pose, first",
                      "next", "held, MB", "peak, MB"});
   table::Cells cells = {std::to_string(vertices)};
-  for (const double figure : figures) {
-    cells.push_back(table::number(figure, "%.0f"));
-  }
+  for (const double figure : figures) cells.push_back(table::number(figure, "%.0f"));
   table::print_row(cells);
 }
 
@@ -389,9 +375,7 @@ int run(int argc, char** argv) {
   const std::string mode = argc > 1 ? argv[1] : "";
   const bool has_mode = mode == "--growth" || mode == "--quick";
   std::vector<int> sizes;
-  for (int k = has_mode ? 2 : 1; k < argc; ++k) {
-    sizes.push_back(std::stoi(argv[k]));
-  }
+  for (int k = has_mode ? 2 : 1; k < argc; ++k) sizes.push_back(std::stoi(argv[k]));
   if (sizes.empty() || *std::min_element(sizes.begin(), sizes.end()) < 100) {
     std::fprintf(stderr, "usage: speed_bench [--quick | --growth] VERTICES...   (each 100 or more)\n");
     return 2;

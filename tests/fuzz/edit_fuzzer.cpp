@@ -157,9 +157,7 @@ void take_many_groups(Choices& choose, TriangleMesh& mesh, Edit& edit) {
   for (int first = 0, size = 1; first + size <= vertex_count(mesh); first += size + stride - 1) {
     size = 1 + (largest > 0 ? first % largest : 0);
     HandleGroup group;
-    for (int v = first; v < std::min(first + size, vertex_count(mesh)); ++v) {
-      group.vertices.push_back(v);
-    }
+    for (int v = first; v < std::min(first + size, vertex_count(mesh)); ++v) group.vertices.push_back(v);
     group.transform.translation = Vector3(0, 0, first % 7 / 8.0);
     step.handles.push_back(std::move(group));
   }
@@ -200,9 +198,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       return 0;
     }
   }
-  if (choose.below(64) == 63) {
-    take_many_groups(choose, mesh, edit);
-  }
+  if (choose.below(64) == 63) take_many_groups(choose, mesh, edit);
   const TriangleMesh before = mesh;
 
   EditResult alone;
@@ -215,18 +211,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(refusal.size() > 10, "a refusal is a sentence");
   }
   const std::optional<Edit> again = reread(edit);
-  if (!again) {
-    return 0;
-  }
+  if (!again) return 0;
   try {
     validate(mesh);
     const Adjacency adjacency = build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
     const std::vector<EditResult> poses =
         apply_edit(mesh, adjacency, *again, {}, {0, 1, fraction}, StoredScalar::Float, {}, {threads});
     require(refusal.empty(), "what is refused alone is refused beside other fractions");
-    for (const EditResult& pose : poses) {
-      check_result(mesh, pose);
-    }
+    for (const EditResult& pose : poses) check_result(mesh, pose);
     for (std::size_t k = 0; k < poses[0].vertices.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
       // But for the sign of a zero.

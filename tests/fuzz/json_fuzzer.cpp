@@ -18,9 +18,7 @@ bool has_long_range(const std::string& text) {
     if (letter == '-') {
       digits = 0;
     } else if (letter >= '0' && letter <= '9') {
-      if (++digits == 6) {
-        return true;
-      }
+      if (++digits == 6) return true;
     } else if (letter != ' ') {
       digits = 6;
     }
@@ -32,9 +30,7 @@ bool has_long_range(const std::string& text) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  if (has_long_range(text)) {
-    return -1;  // not kept
-  }
+  if (has_long_range(text)) return -1;  // not kept
   std::string written;
   try {
     written = write_edit(read_edit(text));

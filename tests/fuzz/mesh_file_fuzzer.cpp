@@ -43,9 +43,7 @@ void require_consistent(const MeshFile& file) {
 EditResult moved(const MeshFile& file, int first) {
   EditResult result;
   for (int v = first; v < file.mesh.vertices.rows(); v += 3) {
-    if (file.mesh.vertices.row(v).allFinite()) {
-      result.vertices.push_back(v);
-    }
+    if (file.mesh.vertices.row(v).allFinite()) result.vertices.push_back(v);
   }
   result.positions.resize(static_cast<Eigen::Index>(result.vertices.size()), 3);
   for (std::size_t i = 0; i < result.vertices.size(); ++i) {

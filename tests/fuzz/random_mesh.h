@@ -18,13 +18,9 @@ inline int vertex_count(const TriangleMesh& mesh) {
 inline TriangleMesh soup(Choices& choose) {
   TriangleMesh mesh;
   mesh.vertices.resize(1 + choose.below(30), 3);
-  for (Eigen::Index k = 0; k < mesh.vertices.size(); ++k) {
-    mesh.vertices.data()[k] = choose.real();
-  }
+  for (Eigen::Index k = 0; k < mesh.vertices.size(); ++k) mesh.vertices.data()[k] = choose.real();
   mesh.faces.resize(1 + choose.below(40), 3);
-  for (Eigen::Index k = 0; k < mesh.faces.size(); ++k) {
-    mesh.faces.data()[k] = choose.below(vertex_count(mesh));
-  }
+  for (Eigen::Index k = 0; k < mesh.faces.size(); ++k) mesh.faces.data()[k] = choose.below(vertex_count(mesh));
   return mesh;
 }
 

@@ -205,9 +205,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       player.button(kind / 3 % 16);
     }
     player.session().poll();
-    if (waits) {
-      player.settle();
-    }
+    if (waits) player.settle();
     player.look(waits);
     require(player.window.host().allFinite(), "what the host is given is finite");
   }

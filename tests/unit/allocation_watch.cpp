@@ -13,9 +13,7 @@ namespace {
 /// @return whether the allocation may succeed
 [[maybe_unused]] bool note(std::size_t size) {
   ++allocations;
-  if (size > largest_allocation) {
-    largest_allocation = size;
-  }
+  if (size > largest_allocation) largest_allocation = size;
   return size <= refused_above;
 }
 }  // namespace

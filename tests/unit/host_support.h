@@ -19,9 +19,7 @@ inline void fill(CMeshO& host, const TriangleMesh& mesh) {
   // Not AddFace(): it wants three different vertices.
   auto face = Allocator::AddFaces(host, static_cast<std::size_t>(mesh.faces.rows()));
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f, ++face) {
-    for (int k = 0; k < 3; ++k) {
-      face->V(k) = &host.vert[static_cast<std::size_t>(mesh.faces(f, k))];
-    }
+    for (int k = 0; k < 3; ++k) face->V(k) = &host.vert[static_cast<std::size_t>(mesh.faces(f, k))];
   }
 }
 

@@ -30,9 +30,7 @@ inline std::vector<double> plain_distances(const TriangleMesh& mesh, const std::
         });
   }
   std::vector<double> distance(n, kUnreached);
-  for (const int seed : seeds) {
-    distance[seed] = 0;
-  }
+  for (const int seed : seeds) distance[seed] = 0;
   for (bool changed = true; changed;) {
     changed = false;
     for (const auto& [from, to, length] : lines) {

@@ -118,9 +118,7 @@ template <typename Condition>
 std::vector<int> vertices_where(const TriangleMesh& mesh, Condition holds) {
   std::vector<int> result;
   for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    if (holds(Vector3(mesh.vertices.row(v)))) {
-      result.push_back(v);
-    }
+    if (holds(Vector3(mesh.vertices.row(v)))) result.push_back(v);
   }
   return result;
 }
@@ -151,9 +149,7 @@ inline int vertex_at(const TriangleMesh& mesh, const Vector3& point) {
 /// Shortest edge distances from some vertices by relaxing all edges until nothing changes: slow and plain.
 inline std::vector<double> bellman_ford(const TriangleMesh& mesh, const std::vector<int>& seeds) {
   std::vector<double> distance(mesh.vertices.rows(), kUnreached);
-  for (const int seed : seeds) {
-    distance[seed] = 0;
-  }
+  for (const int seed : seeds) distance[seed] = 0;
   for (bool changed = true; changed;) {
     changed = false;
     for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
@@ -200,9 +196,7 @@ inline Region whole_region(const TriangleMesh& mesh, const std::vector<std::vect
   region.edge_faces.resize(mesh.faces.rows());
   std::iota(region.edge_faces.begin(), region.edge_faces.end(), 0);
   region.anchored.assign(connected_components(region.neighbours, region.component), 0);
-  for (const int v : anchors) {
-    region.anchored[region.component[v]] = 1;
-  }
+  for (const int v : anchors) region.anchored[region.component[v]] = 1;
   region.distance.resize(n);
   GeodesicSearch search({region.neighbours, mesh.vertices});
   search.run(seeds, kUnreached);

@@ -31,6 +31,17 @@ class Events:
                "gizmo_drag": 8, "brush": 4, "wheel": 6, "key": 14, "undo": 4, "redo": 3, "setting": 4, "choice": 2,
                "button": 4, "drop": 3, "navigate": 3, "suspend": 1, "select": 1, "visible": 1, "touch": 5, "list": 3,
                "cross": 3, "tabs": 1}
+    SIMPLE = {
+        "press": lambda e: e.mouse("press", e.position(), e.button_name(), e.modifiers()),
+        "move": lambda e: e.mouse("move", e.position(), modifiers=e.modifiers()),
+        "release": lambda e: e.mouse("release", e.position(), e.button_name(), e.modifiers()),
+        "drag": lambda e: e.way(e.position(), e.modifiers()),
+        "brush": lambda e: e.way(e.position(), e.random.choice([["ctrl"], ["shift"], ["ctrl", "alt"], ["shift", "alt"]]), moves=8),
+        "key": lambda e: e.ask("key", key=e.random.choice(KEYS), modifiers=[]),
+        "undo": lambda e: e.ask("key", key="Z", modifiers=["ctrl"]),
+        "redo": lambda e: e.ask("key", key="Z", modifiers=["ctrl", "shift"]),
+        # One pressed, or a box ticked or not; also what is folded away.
+        "button": lambda e: e.ask("set", name=part(e.random.choice(e.buttons)), value=e.random.random() < 0.7)}
     # After a batch, since they take long; in turn, so that none is missing.
     RARE = ["layer", "filter", "restart", "imported", "reloaded", "project", "dialog"]
 
@@ -159,7 +170,12 @@ class Events:
 
     def happen(self, kind):
         self.counts[kind] += 1
-        getattr(self, kind)()
+        self.simply(kind) if kind in self.SIMPLE else getattr(self, kind)()
+
+    def simply(self, *kinds):
+        """As a part of another event."""
+        for kind in kinds:
+            self.SIMPLE[kind](self)
 
     def position(self):
         """Arguments of a mouse command."""
@@ -188,12 +204,6 @@ class Events:
             self.mouse("move", position, modifiers=modifiers)
         self.mouse("release", position, button, modifiers)
 
-    def press(self):
-        self.mouse("press", self.position(), self.button_name(), self.modifiers())
-
-    def move(self):
-        self.mouse("move", self.position(), modifiers=self.modifiers())
-
     def hover(self):
         """No button held, in small steps, and the pictures of it."""
         self.mouse("release", self.position())
@@ -203,18 +213,12 @@ class Events:
             self.mouse("move", position)
             self.ask("step")
 
-    def release(self):
-        self.mouse("release", self.position(), self.button_name(), self.modifiers())
-
     def click(self):
         position, modifiers = self.position(), self.modifiers()
         self.mouse("press", position, modifiers=modifiers)
         self.mouse("release", position, modifiers=modifiers)
         if self.random.random() < 0.1:
             self.mouse("double", position, modifiers=modifiers)
-
-    def drag(self):
-        self.way(self.position(), self.modifiers())
 
     def fresh_drag(self):
         """From whatever state to a step."""
@@ -225,7 +229,7 @@ class Events:
         for choice in ("mode", "mirror", "pivot"):  # a plane may suit no handle, a pivot take the click
             self.ask("set", name=part(choice), value=0)
         self.ask("set", name=part("radius"), value=self.random.uniform(0.1, 0.4))
-        self.drag()
+        self.simply("drag")
 
     def gizmo_drag(self):
         """A handle, then drags that begin around it, where arrows, rings and the scale handle are."""
@@ -241,21 +245,9 @@ class Events:
             self.mouse("move", position)
             self.way(position, self.random.choice([[], [], ["ctrl"], ["shift"]]))
 
-    def brush(self):
-        self.way(self.position(), self.random.choice([["ctrl"], ["shift"], ["ctrl", "alt"], ["shift", "alt"]]), moves=8)
-
     def wheel(self):
         position = self.position() if self.random.random() < 0.7 else {"x": 300, "y": 300}
         self.ask("wheel", delta=self.random.choice([-240, -120, 120, 240]), modifiers=self.modifiers(), **position)
-
-    def key(self):
-        self.ask("key", key=self.random.choice(KEYS), modifiers=[])
-
-    def undo(self):
-        self.ask("key", key="Z", modifiers=["ctrl"])
-
-    def redo(self):
-        self.ask("key", key="Z", modifiers=["ctrl", "shift"])
 
     def setting(self):
         name = self.random.choice([*SETTINGS])
@@ -265,10 +257,6 @@ class Events:
         """Mode, brush, gizmo, pivot, symmetry: whatever lists the panel has."""
         name = self.random.choice(list(self.choices))
         self.ask("set", name=part(name), value=self.random.randrange(self.choices[name]["count"]))
-
-    def button(self):
-        """One pressed, or a box ticked or not; also what is folded away."""
-        self.ask("set", name=part(self.random.choice(self.buttons)), value=self.random.random() < 0.7)
 
     def touch(self):
         """A click on whatever the panel has, typing there, and back into the picture."""
@@ -308,7 +296,7 @@ class Events:
     def tabs(self):
         """The layer list comes to the front, and the panel again."""
         self.ask("tab", text=self.tab)
-        self.drag()
+        self.simply("drag")
         self.ask("tab", text=TOOL)
 
     def drop(self):
@@ -326,7 +314,7 @@ class Events:
             self.ask("step")
             self.ask("key", key="Esc", modifiers=[])
         else:
-            self.undo()
+            self.simply("undo")
         self.mouse("release", position)
 
     def navigate(self):
@@ -340,7 +328,7 @@ class Events:
     def suspend(self):
         self.ask("trigger", text="Not editing")
         for _ in range(3):
-            self.drag()
+            self.simply("drag")
         self.ask("trigger", text="Not editing")
 
     def select(self):
@@ -352,20 +340,18 @@ class Events:
 
     def visible(self):
         self.ask("layer", visible=False)
-        self.drag()
+        self.simply("drag")
         self.ask("layer", visible=True)
 
     def layer(self):
         self.check()
-        self.drag()
-        self.press()
+        self.simply("drag", "press")
         self.flush()
         self.w.ask("layer", layer=1 - self.layer_id, current=True)
         self.remember()
 
     def filter(self):
-        self.press()
-        self.move()
+        self.simply("press", "move")
         self.flush()
         self.w.run_filter(self.random.choice(["Laplacian Smooth", "Invert Selection", "Re-Compute Vertex Normals"]))
         self.test.assertEqual(self.w.tool()[0], "")
@@ -373,8 +359,7 @@ class Events:
         self.remember()
 
     def restart(self):
-        self.drag()
-        self.press()
+        self.simply("drag", "press")
         self.flush()
         self.resume()
         self.w.trigger(TOOL)
@@ -385,9 +370,7 @@ class Events:
     def busy(self):
         """In the middle of something."""
         self.check()
-        self.drag()
-        self.press()
-        self.move()
+        self.simply("drag", "press", "move")
         self.flush()
         self.resume()
 

@@ -3,19 +3,26 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <memory>
+#include <set>
 
 #include "bodies.h"
 #include "drag_support.h"
 #include "lapedit/edit/fit_step.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/mesh/vertex_tree.h"
+#include "lapedit/mesh/weld.h"
 #include "lapedit/session/drag_session.h"
+#include "lapedit/session/session_model.h"
 #include "lapedit/session/session_solver.h"
 #include "play.h"
+#include "shapes.h"
 #include "support.h"
+#include "torn_mesh.h"
 
-// Regions, handles and steps of a dragging session.
+// Regions, handles and steps of a dragging session, the detail of a region, and torn meshes.
 namespace lapedit::drag_session_steps_test {
 namespace {
 
@@ -264,9 +271,7 @@ TEST(DragSteps, UndoAndRedoAreExact) {
 
 TEST(DragSteps, GoingBackPreparesOnceHoweverManyStepsItUndoes) {
   Window window(plate());
-  for (const int x : {10, 20, -30}) {
-    window.drag(kMiddle, Vector2(x, 5));
-  }
+  for (const int x : {10, 20, -30}) window.drag(kMiddle, Vector2(x, 5));
   const Points edited = window.host();
   const auto prepared = [&](const auto& change) {  // each preparation shows its region
     const int before = window.session.shown().region_serial();
@@ -508,6 +513,132 @@ TEST(DragLastStep, RefusesWhatItCannotDo) {
   motion.scale = 0;
   session.set_last_step(motion, 1);
   played.run("says 'greater than 0'; same pose a");
+}
+
+/// A plate with a dent of depth 2 and width 4 in the middle, and a script for it.
+void play_on_dent(const std::string& script) {
+  TriangleMesh mesh = shapes::grid(60, 60);
+  const Vector3 middle = mesh.vertices.row(60 * 30 + 30).transpose();
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    mesh.vertices(v, 2) = -2 * std::exp(-(mesh.vertices.row(v) - middle.transpose()).head<2>().squaredNorm() / 16);
+  }
+  support::play(script, mesh);
+}
+
+TEST(DragDetail, APressAndAValueFlattenADentAndAreReplayedToTheBit) {
+  play_on_dent(
+      "set radius 14; click 30,30; set detail 0; deep 0; steps 1; recorded 0 handles 0; consistent; set detail 0.5; "
+      "deep 1; steps 1; set detail 0.25; consistent; set detail 1; same pose rest");
+}
+
+TEST(DragDetail, PassingValuesAreShownAndTheLastOneIsApplied) {
+  play_on_dent(
+      "set radius 14; click 30,30; set passing detail 0.8; steps 0; cannot redo; deep 1.6; settled not; set passing "
+      "detail 0.4; steps 0; deep 0.8; set detail 0.4; steps 1; deep 0.8; undo; same pose rest; has detail 1; redo; "
+      "deep 0.8");
+}
+
+TEST(DragDetail, APaintedRegionNeedsNoHandle) {
+  play_on_dent("region 16,16 44,44; set detail 0.5; set detail 0; deep 0; steps 1");
+}
+
+TEST(DragDetail, APaintedRegionTakesAMarginAtWhichADentHasEnded) {
+  play_on_dent(
+      "region 21,21 39,39; keep a; set passing detail 0.5; steps 0; cancel; same region a; same pose rest; set detail "
+      "0; deep 0; steps 1; same region a; click 30,30; same region a; undo; same pose rest; same region a");
+}
+
+TEST(DragDetail, BelongsToOneStep) {
+  play_on_dent(
+      "set radius 14; click 30,30; set detail 0; drag 30,30 30 0; steps 2; recorded 1 detail 1; has detail 1; set "
+      "detail 2; steps 2; recorded 1 detail 2; click 10,10; has detail 1");
+}
+
+TEST(DragDetail, IsRefusedWithoutARegionOrItsBoundary) {
+  play_on_dent(
+      "set detail 0; says 'no region'; has detail 1; click 30,30; whole; set detail 0; says 'whole piece'; steps 0; "
+      "cannot redo");
+}
+
+/// A grid of 60 x 60 vertices, and others at the places of a seam in its middle.
+TriangleMesh torn_grid() {
+  return support::with_islands(shapes::grid(60, 60), 30);
+}
+
+TEST(DragWeld, InvertedRegionReplays) {
+  play("set radius 4; click 5,20; change invert; drag 30,20 20 40; steps 1; consistent", torn_grid());
+}
+
+TEST(DragWeld, SeamStaysClosed) {
+  play(
+      "set radius 9; click 30,20; press 30,20; move 30,20 40 60; wait; other pose rest; closed; release 30,20 40 60; "
+      "wait; closed; consistent; set membrane 100; closed; drag 30,20 -20 10; steps 2; consistent; undo 2; same pose "
+      "rest; redo 2; consistent; closed",
+      torn_grid());
+}
+
+TEST(DragWeld, SelectionsOfOneSideCount) {
+  support::Play played(torn_grid());
+  Window& window = played.window;
+  const Weld weld(window.session.original().vertices);
+  std::vector<int> right;  // of the island beyond the seam, which has its other vertices
+  for (int v = 0; v < static_cast<int>(window.session.original().vertices.rows()); ++v) {
+    const auto faces = window.session.given_adjacency().faces[v];
+    if (faces.size() > 0 && window.session.original().vertices(v, 0) >= 30 &&
+        (weld.representative(v) != v || window.session.original().vertices(v, 0) > 30)) {
+      right.push_back(v);
+    }
+  }
+  window.session.set_painted(BrushTarget::Region, right);
+  window.click(nearest_vertex(window.session.mesh(), Vector3(40, 20, 0)));
+  EXPECT_TRUE(window.session.unconnected().empty());
+  EXPECT_EQ(window.region().size(), right.size());
+  window.drag(nearest_vertex(window.session.mesh(), Vector3(40, 20, 0)), Vector2(10, 30));
+  played.run("closed; consistent");
+}
+
+/// A step that has no meaning but its number.
+EditStep step(int number) {
+  EditStep result;
+  result.settings.iterations = number;
+  return result;
+}
+
+/// Places that no arithmetic would give back: negative zeros, denormals, numbers without a short decimal.
+Points positions(int rows, int seed) {
+  Points result(rows, 3);
+  for (int i = 0; i < rows; ++i) {
+    result.row(i) << -0.0, std::numeric_limits<double>::denorm_min() * (i + seed), 1.0 / (3 + i + 7 * seed);
+  }
+  return result;
+}
+
+/// So that no step copies all faces and vertices.
+TEST(History, ChangesReuseMeshesThatNobodyReads) {
+  History history(shapes::grid(40, 40));
+  std::set<const void*> faces;
+  const std::shared_ptr<const TriangleMesh> read = [&] {
+    history.apply(step(1), {1}, positions(1, 1));
+    return history.mesh();
+  }();
+  const Points kept = read->vertices;   // as all that was returned, it is replaced and never changed
+  std::vector<std::vector<int>> taken;  // so that a copy is not where one before it was
+  for (int k = 2; k < 30; ++k) {
+    taken.emplace_back(static_cast<std::size_t>(read->faces.size()));
+    history.apply(step(k), {k, k + 1, 100 * (k % 7)}, positions(3, k));
+    const Points before = history.before_last()->vertices, after = history.mesh()->vertices;
+    faces.insert(history.mesh()->faces.data());
+    history.undo();
+    EXPECT_TRUE(same_bits(history.mesh()->vertices, before)) << k;
+    faces.insert(history.mesh()->faces.data());
+    history.redo();
+    EXPECT_TRUE(same_bits(history.mesh()->vertices, after)) << k;
+    history.undo();
+    history.apply(step(k), {k}, positions(1, k));
+    faces.insert(history.mesh()->faces.data());
+  }
+  EXPECT_LE(faces.size(), 4U) << "each is a copy";
+  EXPECT_TRUE(same_bits(read->vertices, kept));
 }
 
 }  // namespace

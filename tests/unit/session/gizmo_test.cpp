@@ -41,9 +41,7 @@ Camera mirrored() {
     to_clip(1, k) = 1 - pixel.y() / 300;
     to_clip(2, k) = -0.05 * view.toward_viewer(corner).dot(corner);
   }
-  for (int k = 0; k < 3; ++k) {
-    to_clip.col(k) -= to_clip.col(3);  // the affine map through these
-  }
+  for (int k = 0; k < 3; ++k) to_clip.col(k) -= to_clip.col(3);  // the affine map through these
   to_clip.row(3) << 0, 0, 0, 1;
   to_clip.col(0) = -to_clip.col(0);
   return Camera(to_clip, 800, 600);
@@ -168,16 +166,12 @@ TEST(Gizmo, AxesAndKindsOfItsElements) {
 TEST(Gizmo, ItsRingsTurnWhatIsUnderTheCursorAlongWithIt) {
   int turned = 0;
   std::vector<Camera> views = {mirrored()};
-  for (const Vector3& eye : kEyes) {
-    views.push_back(seen_from(eye));
-  }
+  for (const Vector3& eye : kEyes) views.push_back(seen_from(eye));
   for (const Camera& view : views) {
     ASSERT_TRUE(view.valid());
     const Gizmo gizmo = place_gizmo(kCenter, GizmoAxes::Layer, kNoNormal, view);
     for (int axis = 0; axis < 3; ++axis) {
-      if (std::abs(gizmo.axes.col(axis).dot(view.toward_viewer(kCenter))) < 0.36) {
-        continue;
-      }
+      if (std::abs(gizmo.axes.col(axis).dot(view.toward_viewer(kCenter))) < 0.36) continue;
       DragMotion m(MotionKind::Rotate, kCenter, kCenter, kNoNormal, over(view, gizmo.on_ring(axis, 0.3)));
       m.hold(gizmo.axes.col(axis));
       EXPECT_FALSE(m.moves());

@@ -81,9 +81,7 @@ TEST(SolverThread, SolvesTheNewestQuestionAndNotAll) {
     serial = worker.solve({support::shift(Vector3(0, 0, 0.01 * i))}, i == 1000);
   }
   int answers = 0;
-  while (worker.wait()) {
-    answers += worker.poll(pose).pose;
-  }
+  while (worker.wait()) answers += worker.poll(pose).pose;
   EXPECT_EQ(pose.serial, serial);
   EXPECT_GE(answers, 1);
   EXPECT_LT(answers, 10);  // all but the last few came while the region was being prepared
@@ -96,9 +94,7 @@ TEST(SolverThread, CancelAtAnyMomentDropsAll) {
     calls = 0;
     SolverThread* own = nullptr;
     SolverThread worker([&] {
-      if (++calls == last) {
-        own->cancel();
-      }
+      if (++calls == last) own->cancel();
     });
     own = &worker;
     worker.prepare(small_task());
@@ -205,9 +201,7 @@ TEST(FirstFrames, FollowsFirstAndBecomesThePose) {
       const Followed seen(worker);
       EXPECT_TRUE(seen.all.preview && seen.all.ready);
       EXPECT_TRUE(support::same_bits(seen.poses.back().positions, exact));
-      for (const SolverPose& pose : seen.poses) {
-        EXPECT_EQ(pose.serial, serial);
-      }
+      for (const SolverPose& pose : seen.poses) EXPECT_EQ(pose.serial, serial);
       const double apart = (seen.poses.front().positions - exact).rowwise().norm().maxCoeff();
       return seen.before_ready >= 1 && static_cast<int>(seen.poses.size()) == passes + 1 && apart > 0 &&
              seen.longest_jump() < 1.1 * apart;

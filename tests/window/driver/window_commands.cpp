@@ -201,9 +201,7 @@ Answer dialog(const QJsonObject&) {
   static int count = 0;
   QWidget* modal = QApplication::activeModalWidget();
   if (!modal) return {};
-  if (!modal->property("gui_driver_number").isValid()) {
-    modal->setProperty("gui_driver_number", ++count);
-  }
+  if (!modal->property("gui_driver_number").isValid()) modal->setProperty("gui_driver_number", ++count);
   QJsonObject result{{"class", modal->metaObject()->className()},
                      {"title", modal->windowTitle()},
                      {"active", modal->isActiveWindow()},

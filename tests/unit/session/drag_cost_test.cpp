@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifdef __linux__
 #include <gtest/gtest.h>
+
+#ifdef __linux__
 #include <pthread.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -10,8 +11,11 @@
 #include <cstddef>
 #include <memory>
 #include <type_traits>
+#endif
 
+#include "allocation_watch.h"
 #include "drag_support.h"
+#include "torn_mesh.h"
 
 // Sanitizers handle the signal themselves.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -20,11 +24,57 @@
 #define LAPEDIT_SANITIZED 0
 #endif
 
-// What the window's thread touches of a large mesh: no event may look at all faces.
-namespace lapedit::drag_touch_test {
+namespace lapedit::drag_cost_test {
 namespace {
 
 using support::Window;
+
+/// Drags a vertex that is clicked already, and expects no allocation once it has moved: from the mouse's move to the
+/// pose handed to the host, by way of the worker's thread.
+void expect_no_allocations(Window& window, int vertex) {
+  window.press(vertex);
+  const Vector2 from = window.at(vertex).pixel;
+  int moves = 0;
+  const auto move_to = [&](int last) {
+    for (++moves; moves <= last; ++moves) {
+      const int poses = window.poses();
+      window.session.move(window.at(from + Vector2(moves, 2 * moves)));
+      while (window.poses() == poses) window.session.poll();
+    }
+    window.session.wait();  // for the pose in full that follows where the mouse rests
+  };
+  move_to(6);  // three buffers go round between worker, session and host: all have to have been used
+  const int poses = window.poses();
+  const long before = allocations;
+  move_to(20);
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_GE(window.poses(), poses + 10);
+}
+
+TEST(Drag, AllocatesNothingOnceItMoves) {
+  for (const HandleMode mode : {HandleMode::Vertex, HandleMode::Curve}) {
+    Window window(shapes::letter_field(60, 30));
+    window.change([](DragSettings& s) { s.handle_fraction = 0.1 / s.radius; });
+    window.session.set(&Tools::mode, mode);
+    int end = 0;
+    for (const double x : {1.8, 2.0, 2.2}) {  // a curve, or the last one
+      end = support::vertex_at(window.session.mesh(), Vector3(x, 1, 0));
+      window.click(end);
+    }
+    expect_no_allocations(window, end);
+  }
+}
+
+TEST(Drag, SeamAllocatesNothingOnceItMoves) {
+  Window window(support::with_islands(shapes::grid(41, 41), 20));
+  window.sizes(9);
+  const int handle = support::vertex_at(window.session.mesh(), Vector3(20, 20, 0));
+  window.click(handle);
+  expect_no_allocations(window, handle);
+}
+
+#ifdef __linux__
+// What the window's thread touches of a large mesh: no event may look at all faces.
 
 char* watched = nullptr;  // whole pages
 std::size_t watched_bytes = 0, page_size = 4096;
@@ -42,9 +92,7 @@ void on_access(int signal, siginfo_t* info, void* context) {
   }
   const std::size_t page = static_cast<std::size_t>(address - watched) / page_size;
   mprotect(watched + page * page_size, page_size, PROT_READ | PROT_WRITE);
-  if (pthread_equal(pthread_self(), watching) != 0) {
-    ++touched;
-  }
+  if (pthread_equal(pthread_self(), watching) != 0) ++touched;
 }
 
 /// Counts the pages of an array that this thread touches during an event.
@@ -70,9 +118,7 @@ double touched_share(const Array& array, const Event& event) {
 }
 
 TEST(DragTouch, NoEventLooksAtAllFaces) {
-  if (LAPEDIT_SANITIZED != 0) {
-    GTEST_SKIP() << "sanitizers handle the signal";
-  }
+  if (LAPEDIT_SANITIZED != 0) GTEST_SKIP() << "sanitizers handle the signal";
   constexpr int kSide = 400;
   constexpr double kMost = 0.2;
   const int middle = kSide * (kSide / 2) + kSide / 2;
@@ -119,6 +165,7 @@ TEST(DragTouch, NoEventLooksAtAllFaces) {
   window.expect_consistent();
 }
 
-}  // namespace
-}  // namespace lapedit::drag_touch_test
 #endif
+
+}  // namespace
+}  // namespace lapedit::drag_cost_test
