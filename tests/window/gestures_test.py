@@ -102,7 +102,7 @@ class Gestures(ToolTest):
     def test_last_step_takes_numbers_and_a_fraction(self):
         with self.window() as w:
             w.set(part("group_last_step"), True)
-            self.assertFalse(w.widget(part("last_fraction"))["enabled"])
+            self.assertFalse(self.enabled(w, "last_fraction"))
             self.x_pull(w, self.on_screen(w, self.CENTRE), (0, -40))
             whole = self.last_step(w)["handles"][0]["translation"]
             full = w.dump().triples()[self.CENTRE]

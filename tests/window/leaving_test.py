@@ -16,6 +16,15 @@ class LeavingTest(ToolTest):
             widget = w.widget(part(name))
             self.assertFalse(widget["visible"] and widget["enabled"], name)
 
+    def poke(self, w):
+        """All kinds of events."""
+        w.click(300, 300)
+        w.drag((200, 300), (350, 320))
+        w.wheel(300, 300, 1)
+        w.key("R", "X", "Return", "Backspace", "G", "C", "W")
+        w.key("Z", modifiers=["ctrl"])
+        self.assertEqual(w.dialog(), {})
+
 
 class Navigate(ToolTest):
     def test_camera_moves_and_the_mesh_does_not(self):
@@ -24,14 +33,12 @@ class Navigate(ToolTest):
             before = w.dump()
             for start, button, modifiers in (((300, 300), "middle", []), ((300, 300), "right", []), ((300, 300), "left", ["alt"]),
                                              ((3, 300), "left", [])):  # off the mesh
-                with self.subTest(button, start=start):
-                    camera = w.camera()
-                    w.drag(start, (start[0] + 80, start[1] + 40), button=button, modifiers=modifiers)
-                    self.assertNotEqual(w.camera(), camera)
-                    self.assertEqual(w.tool(), (TOOL, False))
-                    self.assert_same(before, w.dump())
-            pixel = self.pull(w, self.CENTRE, (15, -25))
-            self.assert_at(w, self.CENTRE, pixel)
+                camera = w.camera()
+                w.drag(start, (start[0] + 80, start[1] + 40), button=button, modifiers=modifiers)
+                self.assertNotEqual(w.camera(), camera, button)
+                self.assertEqual(w.tool(), (TOOL, False))
+                self.assert_same(before, w.dump())
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (15, -25)))
             self.assertEqual(len(self.steps_in_log(w)), 2)
             self.assert_replay_is_the_same(w, self.mesh)
 
@@ -66,51 +73,45 @@ class Layers(ToolTest):
         with self.start(self.mesh) as w:
             w.layer(matrix=self.ROTATED)
             w.trigger("Reset Trackball")
-            pixel = self.pull(w, self.CENTRE, (45, -35))
-            self.assert_at(w, self.CENTRE, pixel)
+            self.assert_at(w, self.CENTRE, self.pull(w, self.CENTRE, (45, -35)))
             self.assertEqual(w.layers()[0]["matrix"], self.ROTATED)
             self.assertEqual(self.steps_of(w)[0]["handles"][0]["vertices"], str(self.CENTRE))
             w.key("T", "X", *"0.25", "Return")
             self.assertEqual(self.steps_of(w)[1]["handles"][0]["translation"], [0.25, 0, 0])
             self.assert_replay_is_the_same(w, self.mesh)
 
-    def two_layers(self):
-        """The second layer is the current one, and behind the first."""
-        behind = write_ply(self.folder / "behind.ply", *moved((self.points, self.faces), offset=(0, 0, -0.3)))
-        return self.mesh, behind
-
     def test_only_the_current_layer_is_picked_and_each_keeps_its_steps(self):
-        files = self.two_layers()
-        with self.start(*files) as w:
+        behind = write_ply(self.folder / "behind.ply", *moved((self.points, self.faces), offset=(0, 0, -0.3)))
+        with self.start(self.mesh, behind) as w:
             results = {layer: w.dump(layer) for layer in (0, 1)}
             for layer in (1, 0, 1):
                 w.layer(layer, current=True)
                 w.layer(0, visible=layer == 0)  # it covers the other one
                 self.assertEqual(w.tool(), (TOOL, False))
                 self.assertNotRegex(self.message(w), "another tool")
-                before = w.dump(layer)
                 x, y = w.pixel(self.CENTRE, layer=layer)
                 w.drag((x, y), (x + 30, y - 20))
-                self.assertIn(self.CENTRE, before.moved(w.dump(layer)))
+                self.assertIn(self.CENTRE, results[layer].moved(w.dump(layer)))
                 for other, dump in results.items():
                     if other != layer:
                         self.assert_same(dump, w.dump(other))
                 results[layer] = w.dump(layer)
                 if layer == 0:
-                    self.assert_replay_is_the_same(w, files[0])
+                    self.assert_replay_is_the_same(w, self.mesh)
             self.assertEqual(len(self.steps_in_log(w)), 3)
 
 
 class Leave(LeavingTest):
     """What was applied stays, a drag in progress is dropped."""
 
-    def check(self, leave):
+    def check(self, leave, tool_then=""):
         with self.start(self.mesh) as w:
             self.pull(w, self.CENTRE, (20, -20))
             applied = w.dump()
             self.pull(w, self.CENTRE + 3, (30, 30), release=False)
             self.assertNotEqual(applied.moved(w.dump()), set())
             leave(w)
+            self.assertEqual(w.tool()[0], tool_then)
             self.assert_same(applied, w.dump())
             # The mouse button is still down.
             w.mouse("move", 300, 310)
@@ -118,18 +119,14 @@ class Leave(LeavingTest):
             self.assert_same(applied, w.dump())
 
     def test_by_closing_the_panel(self):
-        def leave(w):
-            w.close_widget(PANEL)
-            self.assertEqual(w.tool()[0], "")
-        self.check(leave)
+        self.check(lambda w: w.close_widget(PANEL))
 
     def test_by_menu_and_back_at_once(self):
         def leave(w):
             w.trigger(TOOL)
             self.assertEqual(w.tool()[0], "")
             w.trigger(TOOL)
-            self.assertEqual(w.tool(), (TOOL, False))
-        self.check(leave)
+        self.check(leave, TOOL)
 
     ROWS_OF_LARGE = 181  # takes part of a second to prepare, longer than a batch and than the tool waits
 
@@ -142,17 +139,16 @@ class Leave(LeavingTest):
             w.set(part("radius"), 1.3)
             before = w.dump()
             x, y = w.pixel(rows * rows // 2)
-            mouse = {"command": "mouse", "button": "left", "modifiers": []}
-            w.batch([{**mouse, "type": "press", "x": x, "y": y}, {**mouse, "type": "move", "x": x + 20, "y": y},
-                     {**mouse, "type": "move", "x": x + 40, "y": y - 30}, {**mouse, "type": "release", "x": x + 40, "y": y - 30},
-                     {"command": "trigger", "text": TOOL}, {"command": "print", "text": "left"}, *then])
+            mouse = [{"command": "mouse", "button": "left", "modifiers": [], "type": kind, "x": x + right, "y": y + down}
+                     for kind, right, down in (("press", 0, 0), ("move", 20, 0), ("move", 40, -30), ("release", 40, -30))]
+            w.batch([*mouse, {"command": "trigger", "text": TOOL}, {"command": "print", "text": "left"}, *then])
             yield w, before, mesh
 
     def wait_for_step(self, w):
         w.wait(lambda: self.steps_in_log(w), "the released drag is not applied", 60)
         self.assertEqual(len(self.steps_in_log(w)), 1)
-        self.assertLess(w.output.index("left"), next(k for k, line in enumerate(w.output) if "step 1" in line),
-                        "leaving has waited")
+        step = next(k for k, line in enumerate(w.output) if "step 1" in line)
+        self.assertLess(w.output.index("left"), step, "leaving has waited")
 
     def test_released_drag_is_applied_after_the_tool_was_left(self):
         with self.released() as (w, _, mesh):
@@ -213,7 +209,7 @@ class Leave(LeavingTest):
             filtered = w.dump()
             self.assertNotEqual(applied, filtered.point_bits())
             w.trigger(TOOL)
-            self.assertFalse(w.widget(part("undo"))["enabled"])
+            self.assertFalse(self.enabled(w, "undo"))
             self.pull(w, self.CENTRE, (20, -20))
             w.press_button(part("undo"))
             self.assert_same(filtered, w.dump())
@@ -240,7 +236,7 @@ class Leave(LeavingTest):
                     w.layer(layer["id"], remove=True)
                 w.trigger(TOOL)
                 self.assertEqual(w.tool(), (TOOL, False))
-                self.assertTrue(w.widget(part("undo"))["enabled"], name)
+                self.assertTrue(self.enabled(w, "undo"), name)
             w.layer(0, smooth=True, matrix=Layers.ROTATED)
             for before in reversed(states[:-1]):
                 w.key("Z", modifiers=["ctrl"])
@@ -262,7 +258,7 @@ class Leave(LeavingTest):
             filtered = w.dump()
             self.assertIn("normals", before.differences(filtered))
             w.trigger(TOOL)
-            self.assertTrue(w.widget(part("redo"))["enabled"])
+            self.assertTrue(self.enabled(w, "redo"))
             self.pull(w, self.CENTRE, (12, -8))
             w.press_button(part("undo"))
             self.assert_same(filtered, w.dump())
@@ -299,7 +295,7 @@ class Leave(LeavingTest):
 
     def test_by_deleting_the_layer_under_the_tool(self):
         for files in ((self.mesh, self.mesh), (self.mesh,)):
-            with self.subTest(len(files)), self.start(*files) as w:
+            with self.start(*files) as w:
                 self.pull(w, self.CENTRE, (30, 30), release=False)
                 w.layer(remove=True)
                 self.assertEqual(len(w.layers()), len(files) - 1)
@@ -307,10 +303,7 @@ class Leave(LeavingTest):
                     self.assert_nothing_can_be_chosen(w)
                 w.move(310, 310)
                 w.mouse("release", 310, 310)
-                w.click(300, 300)
-                w.wheel(300, 300, 1)
-                w.key("R", "Return", "Backspace")
-                w.key("Z", modifiers=["ctrl"])
+                self.poke(w)
 
     def test_by_closing_the_project(self):
         with self.start(self.mesh) as w:
@@ -336,7 +329,7 @@ class Leave(LeavingTest):
             self.pull(w, self.CENTRE, (30, 30), release=False)
             w.trigger("Import Mesh...", wait=False)
             w.answer(path=other)
-            w.wait(lambda: w.widget(part("content"))["enabled"], "the panel stays grey", 20)
+            w.wait(lambda: self.enabled(w, "content"), "the panel stays grey", 20)
             w.release(320, 300)
             self.assertEqual(w.tool(), (TOOL, False))
             self.assert_same(before, w.dump(0))
@@ -350,10 +343,10 @@ class Leave(LeavingTest):
             before = w.dump()
             self.pull(w, self.CENTRE, (30, 30))
             w.trigger("Reload", wait=False)
-            w.wait(lambda: not w.widget(part("undo"))["enabled"], "the old step can still be undone", 20)
+            w.wait(lambda: not self.enabled(w, "undo"), "the old step can still be undone", 20)
             w.idle()
             self.assertEqual(before.point_bits(), w.dump().point_bits())
-            self.assertFalse(w.widget(part("grow"))["enabled"])  # no region of the old mesh is left
+            self.assertFalse(self.enabled(w, "grow"))  # no region of the old mesh is left
             self.assertRegex(self.message(w), "changed by another")
             self.pull(w, self.CENTRE, (20, -20))
             self.assert_replay_is_the_same(w, self.mesh)
@@ -375,7 +368,7 @@ class Leave(LeavingTest):
             w.batch([{"command": "set", "name": part("redo"), "value": True}])  # disabled, if a picture came first
             w.idle()
             self.assertEqual(before.point_bits(), w.dump().point_bits())
-            self.assertFalse(w.widget(part("redo"))["enabled"])
+            self.assertFalse(self.enabled(w, "redo"))
 
     def test_mesh_reloaded_under_the_tool(self):
         with self.start(self.mesh) as w:
@@ -478,7 +471,7 @@ class Views(ToolTest):
             self.shade_smoothly(w)
             w.trigger(TOOL)
             self.assertEqual(len(self.panels(w)), 1)
-            self.assertFalse(w.widget(part("undo"))["enabled"])
+            self.assertFalse(self.enabled(w, "undo"))
             self.pull(w, self.CENTRE, (-20, 10))
             second = w.dump()
             w.view(project=0)
@@ -501,23 +494,18 @@ class Views(ToolTest):
 class NothingToEdit(LeavingTest):
     """One clear line, and nothing else."""
 
-    def poke(self, w):
-        """All kinds of events. @return the lines that the tool's log has got"""
+    def log_of(self, w):
+        """What the tool logs when it is started and poked."""
         lines = len(self.log_of_tool(w))
         w.trigger(TOOL)
-        w.click(300, 300)
-        w.drag((200, 300), (350, 320))
-        w.wheel(300, 300, 1)
-        w.key("R", "X", "Return", "Backspace", "G", "C", "W")
-        w.key("Z", modifiers=["ctrl"])
-        self.assertEqual(w.dialog(), {})
+        self.poke(w)
         return self.log_of_tool(w)[lines:]
 
     def test_point_cloud(self):
         cloud = write_ply(self.folder / "cloud.ply", self.points, [])
         with self.open(cloud) as w:
             before = w.dump()
-            (line,) = self.poke(w)
+            (line,) = self.log_of(w)
             self.assertRegex(line, "faces")
             self.assertRegex(self.message(w), "faces")
             self.assertEqual(w.tool(), (TOOL, False))
@@ -529,22 +517,22 @@ class NothingToEdit(LeavingTest):
             w.run_filter("Select All")
             w.run_filter("Delete Selected Vertices")
             self.assertEqual(w.layers()[0]["vertices"], 0)
-            self.assertEqual(len(self.poke(w)), 1)
+            self.assertEqual(len(self.log_of(w)), 1)
 
     def test_no_mesh(self):
         with self.open() as w:
             if not w.action(TOOL)["enabled"]:
                 return  # as newer versions of MeshLab have it
             w.trigger(TOOL)
-            tips = [t for t in w.ask("widgets", prefix="qtooltip_label")["widgets"] if t["visible"]]
-            self.assertEqual([t["text"] for t in tips], ["There is no mesh: open one first."])
-            self.assertLessEqual(len(self.poke(w)), 1)
+            tips = [t["text"] for t in w.ask("widgets", prefix="qtooltip_label")["widgets"] if t["visible"]]
+            self.assertEqual(tips, ["There is no mesh: open one first."])
+            self.assertLessEqual(len(self.log_of(w)), 1)
 
     def test_hidden_layer(self):
         with self.open(self.mesh) as w:
             w.layer(visible=False)
             before = w.dump()
-            self.poke(w)
+            self.log_of(w)
             self.assertRegex(self.message(w), "hidden|not visible|invisible")
             self.assert_same(before, w.dump())
             w.layer(visible=True)

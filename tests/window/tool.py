@@ -102,6 +102,9 @@ class ToolTest(GuiTest):
             window.x("key", key)
         self.settle(window)
 
+    def enabled(self, window, name):
+        return window.widget(part(name))["enabled"]
+
     def undo(self, window):
         window.x_focus()
         self.x_key(window, "ctrl+z")
