@@ -88,41 +88,6 @@ TEST(DragDisc, NothingIsRefusedForASmallRegion) {
   }
 }
 
-TEST(DragBrush, PaintsAHandleAndTakesOfIt) {
-  play(
-      "paint handle; stroke 30,25 30,35 add; count 1; painted 30,25 30,30 30,35; ready; stroke 30,34 30,36 take; "
-      "painted 30,25; unpainted 30,35; paint off; drag 30,25 30 20; steps 1; consistent; paint handle; set brush 400; "
-      "stroke 30,28 30,30 take; groups none; state idle",
-      sheet());
-}
-
-TEST(DragBrush, PaintedAnchorsStayAcrossRegionsHandlesAndSteps) {
-  play(
-      "set radius 12 brush 12; paint anchors; stroke 34,26 34,34; held 34,30; paint off; click 30,30; anchor 34,30; "
-      "stroke 30,40 30,48 add; anchor 34,30; anchors 26,30; stroke 24,24 24,20 add; anchor 34,30; anchor 26,30; keys "
-      "w; click 28,30; anchor 34,30; drag 28,30 0 40; rests 34,30 23,30 0.1; consistent; whole; anchor 34,30; paint "
-      "anchors; stroke 34,24 34,36 take; unheld 34,30; anchor 34,30 not",
-      sheet());
-}
-
-TEST(DragBrush, AnchorsPaintedOutsideTheRegionHoldInTheNextOne) {
-  play(
-      "set radius 12 brush 12; click 15,30; keep a; out 44,30; paint anchors; stroke 44,26 44,34 add; held 44,30; same "
-      "region a; paint off; drag 15,30 0 40; steps 1; held 44,30; drag 40,30 0 40; steps 2; rests 44,30 36,30 0.1; "
-      "consistent; undo; held 44,30; undo; held 44,30; undo; unheld 44,30",
-      sheet());
-}
-
-TEST(DragBrush, StrokesAndStepsAreUndoneInTheOrderThatTheyWereDone) {
-  play(
-      "set radius 8; click 30,30; keep a; stroke 30,36 30,48 add; more region a; keep b; paint handle; stroke 30,36 "
-      "30,40 add; paint off; other groups a; keep c; drag 30,30 20 0; keep first; set membrane 50; other pose first; "
-      "keep again; stroke 36,30 48,30 add; actions 4; undo; same pose again; same region b; undo; same pose rest; same "
-      "groups c; undo; same groups a; same region b; undo; same region a; cannot undo; redo; same region b; redo 2; "
-      "same pose again; redo; more region b; cannot redo",
-      sheet());
-}
-
 TEST(DragGizmo, AppearsByAClickUntilAnotherHandleIsPickedAndLeavesOtherHandlesAlone) {
   Window window(sheet());
   window.sizes(12);
@@ -151,25 +116,6 @@ TEST(DragGizmo, AppearsByAClickUntilAnotherHandleIsPickedAndLeavesOtherHandlesAl
   window.expect_consistent();
 }
 
-TEST(DragBrush, AnchorsComeFromASelection) {
-  play(
-      "set radius 12; anchors none; says 'No vertices are selected'; anchors 3,3; held 3,3; click 30,30; anchors 33,30 "
-      "33,31 2,2 30,30; anchor 33,30; anchor 33,31; anchor 30,30 not; held 2,2; unheld 30,30; anchors 2,2; says "
-      "'already kept fixed'; anchor 33,30",
-      sheet());
-}
-
-TEST(DragBrush, AnchorsOfARegionWithoutAHandleHoldOnceThereIsOne) {
-  play("region 20,20 40,40; anchors 33,30; silent 'wait'; held 33,30; click 30,30; anchor 33,30", sheet());
-}
-
-TEST(DragBrush, WhatIsNotConnectedIsKeptAndSaid) {
-  play(
-      "set radius 6; click 30,30; stroke 30,50 30,53 add; loose 30,51; out 30,51; says 'not connected'; stroke 30,34 "
-      "30,52 add; loose none; in 30,51",
-      sheet());
-}
-
 TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
   const TriangleMesh ball = shapes::icosphere(3);
   int top = 0;
@@ -180,14 +126,6 @@ TEST(DragHold, PieceThatNothingHoldsIsSaidBeforeTheDrag) {
            "keys g; click 0," +
            std::to_string(second) + "; count 2; silent 'Nothing holds'",
        ball);
-}
-
-TEST(DragKeys, AmountsWithoutAMotionDoNothingButSaySo) {
-  play(
-      "click 30,30; keys x; says 'Nothing is being moved'; state picked; keys 6; says 'Nothing is being moved'; keys "
-      "n; says 'Nothing is being moved'; keys .; says 'Nothing is being moved'; keys x60; enter; steps 0; same pose "
-      "rest; keys tx6; enter; steps 1",
-      sheet());
 }
 
 /// With a handle whose gizmo has the mesh's axes.
@@ -297,14 +235,6 @@ TEST(DragGizmo, BoundaryIsTheMiddleOfWhatHoldsAnArm) {
   EXPECT_EQ(window.session.pivot_position(), centroid(positions, window.groups().at(0)));
 }
 
-TEST(DragMirror, BothSidesMoveInOneStepAndAreReplayed) {
-  play(
-      "set radius 6 disc 0.3; mirror 29.5; click 15,30; count 1; drag 15,30 10 30; steps 1; images 15,30 44,30; images "
-      "16,31 43,31; consistent; set membrane 100; consistent; undo; same pose rest; redo; images 15,30 44,30; "
-      "consistent; unmirror; drag 15,30 0 10; steps 2",
-      sheet());
-}
-
 TEST(DragMirror, PaintedHandleIsSeenAtOnceAndItsImageAtTheEnd) {
   Window window(sheet());
   window.session.set(&Tools::mirror, MirrorPlane{window.host().row(kMiddle).transpose(), Vector3::UnitX()});
@@ -376,13 +306,6 @@ TEST(DragMirror, AsymmetricMeshIsSaid) {
   EXPECT_TRUE(window.says("not its own mirror image")) << window.session.message();
   window.session.set(&Tools::mirror, MirrorPlane{Vector3::Zero(), Vector3::UnitY()});
   EXPECT_FALSE(window.says("mirror image")) << window.session.message();
-}
-
-TEST(DragMirror, MeshWithoutAnotherSideIsRefusedInASentence) {
-  play(
-      "mirror 1000; click 30,30; unready; says mirror; drag 30,30 20 10; state picked; unready; says mirror; keys tx5; "
-      "enter; steps 0; unmirror; ready",
-      sheet());
 }
 
 TEST(DragSoft, WeightsFallOffAndAreRecorded) {

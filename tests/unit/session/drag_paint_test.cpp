@@ -24,14 +24,6 @@ void with_brush(Window& window) {
   window.change([](DragSettings& s) { s.radius = s.brush_pixels = 12; });
 }
 
-TEST(DragPaint, EachTargetIsPaintedWithoutAKey) {
-  play(
-      "set radius 12 brush 12; paint region; says 'Paint the region'; stroke 20,30 40,30; in 30,30; groups none; keys "
-      "b; says 'Paint the handle'; stroke 30,30 31,30; count 1; painted 30,30; keys b; stroke 22,30 23,30; held 22,30; "
-      "keys b; silent Paint; drag 30,30 0 20; steps 1",
-      shapes::grid(60, 60));
-}
-
 /// Returns the vertices that are at most so many pixels from the way between two vertices.
 std::vector<int> band(const Window& window, int from, int to, double pixels) {
   std::vector<int> near;
@@ -81,29 +73,6 @@ TEST(DragPaint, MovesThatWaitForAStepArePaintedToo) {
   }
   EXPECT_TRUE(contains(painted[0], at(50, 40)) && contains(painted[0], at(40, 50)));
   EXPECT_EQ(painted[1], painted[0]);
-}
-
-TEST(DragPaint, InvertBlurAndClearChangeTheTargetAndAreUndone) {
-  play(
-      "set radius 12 brush 12; paint anchors; stroke 20,30 40,30; keep a; change invert; keep b; unheld 30,30 "
-      "20..40,30; held 5,5 30,40; change clear; unheld 30,40; change clear; says 'Nothing is painted'; undo; same held "
-      "b; undo; same held a; anchors 5,5; keep c; held 5,5; change blur; unheld 5,5; held 30,30; undo; same held c",
-      shapes::grid(60, 60));
-}
-
-TEST(DragPaint, WhatIsNotThereIsRefused) {
-  play(
-      "keep a; anchors 30,30 60,0; says 'The mesh has 3600 vertices'; handle 0,-1 30,30; says 'The mesh has 3600 "
-      "vertices'; same held a; groups none; paint handle; change invert; says 'Nothing is painted'",
-      shapes::grid(60, 60));
-}
-
-TEST(DragPaint, InvertedHandleStaysInItsRegion) {
-  play(
-      "set radius 12 disc 0.3; click 30,30; keep a; paint handle; change invert; unpainted 30,30 30,32; painted 30,36; "
-      "change clear; groups none; same region a; handle 30,30 30,31; groups 30,30 30,31; paint region; change clear; "
-      "state idle",
-      shapes::grid(60, 60));
 }
 
 TEST(DragFalloff, CurvesAreOfTheSameEndsAndOrdered) {

@@ -79,85 +79,12 @@ TEST_F(DragPress, AfterAStepIsHandledOnceTheNewPoseCanBeSearched) {
   window.expect_consistent();
 }
 
-TEST(DragRegion, SettingsOutOfRangeAreRefusedAndChangeNothing) {
-  play("click 30,30; keep a; set radius -1; says radius; set order 2; same settings a; ready");
-}
-
-TEST(DragRegion, AnotherHandleInsideKeepsItOneOutsideDoesNot) {
-  play(
-      "set radius 8; click 30,30; keep a; click 33,31; same region a; groups 33,31; drag 33,31 30 10; drag 29,30 0 20; "
-      "same region a; keys w; click 33,31; other region a; click 50,50; in 50,50; out 33,31");
-}
-
-TEST(DragRegion, AnotherHandleFindsTheAnchorsAsTheyWere) {
-  play(
-      "set radius 8; click 30,30; keep a; drag 30,30 10 20; same anchors a; drag 33,31 30 10; same anchors a; recorded "
-      "0 anchors 0; undo; redo; same anchors a; consistent; set padding 0.3; other anchors a");
-}
-
-TEST(DragRegion, MadeByHandItIsNotLostByAClickOutside) {
-  play(
-      "region 20,20 39,39; keep a; in 20,20 39,39; out 40,30; state idle; click 50,50; says 'outside the region'; same "
-      "region a; drag 50,50 40 0; steps 0; drag 30,30 25 0; same region a; steps 1");
-}
-
-TEST(DragRegion, BrushAddsAndTakesWhatIsUnderIt) {
-  play(
-      "set radius 5; click 30,30; keep a; out 45,30; stroke 30,30 45,30 add; in 45,30; more region a; groups 30,30; "
-      "drag 45,30 3 3 take; out 45,30; in 30,30; drag 30,30 5 5 take; in 30,30; steps 0; same pose rest");
-}
-
-TEST(DragRegion, KeysEndAStroke) {
-  play(
-      "set radius 5; click 30,30; press 33,30 add; move 40,30; keys tx5; move 45,30; state dragging; keep a; release "
-      "45,30; enter; state picked; same region a; in 40,30; steps 1");
-}
-
 TEST(DragRegion, GrowsAndShrinksByARingAndGrowsToTheComponent) {
   play(
       "whole; says 'no handle'; keys ]; says 'no region yet'; set radius 5; click 30,30; keep a; keys ]; more region "
       "a; keys [; same region a; ready; whole; in 0..59,0 0..59,59; anchor 0,0 not; set radius 2; keys w; click "
       "10,10; keys [[[; in 10,10; groups 10,10");
   play("region 30,30 31,31; keys [; says 'no vertices left'; in 30,30");
-}
-
-TEST(DragRegion, GivenOneKeepsTheHandlesInsideIt) {
-  play(
-      "set radius 12; region none; says 'No vertices are selected'; click 30,30; keys g; click 34,30; region 32,26 "
-      "36,34; groups 34,30; active 0; in 32,26 36,34; out 30,30 33,35");
-}
-
-/// With a wide band up to the handle's neighbours.
-TEST(DragRegion, AnchorsThatHoldNothingAreFoundAnew) {
-  play(
-      "set radius 12 padding 1; click 30,30; click 32,31; drag 32,31 5 5; recorded 0 anchors 0; keys w; set radius 8 "
-      "padding 0.3; click 30,30; keep a; click 32,31; same region a; same anchors a; drag 32,31 5 5; steps 2");
-}
-
-TEST(DragRegion, HandleAloneIsRefusedWithALine) {
-  play(
-      "set radius 0.001; click 30,30; says 'handle alone'; logged 1; drag 30,30 30 30; steps 0; same pose rest; set "
-      "radius 5; drag 30,30 30 30; steps 1");
-}
-
-TEST(DragHandle, ClicksAddAndTakeVertices) {
-  play(
-      "click 30,30 add; click 31,31 add; click 30,32 add; groups 30,30 30,32 31,31; click 30,32 take; groups 30,30 "
-      "31,31; click 35,30 take; says 'Vertex 2130 is in no handle'; drag 31,31 20 20; together 30,30 31,31; keep a; "
-      "click 31,31 take; click 30,30 take; groups none; active -1; same region a");
-}
-
-TEST(DragHandle, SeveralGroupsMoveIndependently) {
-  play(
-      "set radius 12; click 30,30; keys g; click 36,30; count 2; active 1; drag 36,30 0 30; rests 30,30 36,30 0.01; "
-      "drag 30,30 0 -30; active 0; count 2; recorded 1 handles 2");
-}
-
-TEST(DragHandle, AnotherGroupLeavesTheOthersAndTheRegionAsTheyAre) {
-  play(
-      "keys g; says 'no handle'; set radius 12 disc 0.2; click 30,30; keep a; keys g; click 34,30; count 2; active 1; "
-      "same region a; keys g; click 50,30; count 3; more region a; in 50,30 55,30; keys g; set radius 8; click 30,40; "
-      "count 4; click 30,36; count 1");
 }
 
 TEST(DragHandle, CurveGoesAroundOtherGroupsAndStaysOnItsPieceAndInItsRegion) {
@@ -172,12 +99,6 @@ TEST(DragHandle, CurveGoesAroundOtherGroupsAndStaysOnItsPieceAndInItsRegion) {
       grid);
   play("mode curve; click 30,30; click 60,12; says 'No path along edges'; groups 30,30",
        shapes::together(grid, shapes::grid(5, 5), Vector3(70, 0, 0)));
-}
-
-TEST(DragHandle, CurveIsJoinedByShortestPathsAndMovesAsOne) {
-  play(
-      "set radius 15; mode curve; click 25,30; click 35,30; groups 25..35,30; click 35,34; size 15; drag 30,30 0 25; "
-      "steps 1; together 25,30 35,34");
 }
 
 /// Three groups in a row, the middle one chosen last.
@@ -262,13 +183,6 @@ TEST(DragCurve, NextPieceIsShownAsTheClickTakesIt) {
   EXPECT_EQ(window.session.hover()->path.rows(), 0);
 }
 
-TEST(DragSteps, UndoAndRedoAreExact) {
-  play(
-      "drag 30,30 20 12; keep a; drag 32,28 20 12; keep b; drag 50,50 20 12; keep c; undo; same pose b; undo; same "
-      "pose a; undo; same pose rest; cannot undo; undo; says 'nothing to undo'; redo; same pose a; redo; same pose b; "
-      "redo; same pose c; consistent; back 0; same pose rest; can redo");
-}
-
 TEST(DragSteps, GoingBackPreparesOnceHoweverManyStepsItUndoes) {
   Window window(plate());
   for (const int x : {10, 20, -30}) window.drag(kMiddle, Vector2(x, 5));
@@ -287,53 +201,6 @@ TEST(DragSteps, GoingBackPreparesOnceHoweverManyStepsItUndoes) {
     EXPECT_TRUE(same_bits(window.host(), steps ? edited : window.session.original().vertices));
   }
   window.expect_consistent();
-}
-
-TEST(DragSteps, UndoGoesBackToHandleAndRegionOfTheStep) {
-  play(
-      "drag 30,30 20 12; keep a; drag 50,50 20 12; undo 2; groups 30,30; same region a; drag 30,30 -10 5; cannot redo");
-}
-
-TEST(DragSteps, OtherSettingsSolveTheLastStepAgain) {
-  play(
-      "set radius 8; drag 30,30 40 25; keep a; set membrane 50; other pose a; steps 1; recorded 0 membrane 50; "
-      "consistent; set padding 0.3; recorded 0 padding 0.3; set radius 12; consistent; set radius 8 padding 0.1 "
-      "membrane 500; same pose a; undo; same pose rest");
-}
-
-TEST(DragSteps, WhatFollowedAStepIsGoneOnceTheStepIsSolvedAgain) {
-  play(
-      "drag 30,30 20 12; drag 32,28 20 12; undo 2; redo; can redo; set membrane 50; keep a; cannot redo; redo; says "
-      "'nothing to redo'; same pose a");
-}
-
-TEST(DragSteps, OtherSettingsLeaveTheLastStepAloneOnceSomethingElseIsPicked) {
-  play("drag 30,30 40 25; keep a; click 32,30; set membrane 50; same pose a; recorded 0 membrane 500");
-}
-
-TEST(DragSteps, OtherSettingsSolveTheDragInProgressAgain) {
-  play(
-      "set radius 8; click 30,30; press 30,30; move 30,30 40 0; wait; keep a; set membrane 50; state dragging; other "
-      "pose a; set radius 4; release 30,30 40 0; wait; recorded 0 membrane 50");
-}
-
-TEST(DragSteps, SettingsMayChangeWhileAStepIsSolvedForAgain) {
-  play(
-      "set radius 8; drag 30,30 40 25; drag 32,30 20 10; set now membrane 50; state settling; set now radius 12; drag "
-      "28,30 0 20; state picked; steps 3; recorded 1 membrane 50");
-}
-
-TEST(DragSteps, ButtonReleasedWhileAStepIsSolvedForAgainHoldsNothing) {
-  play(
-      "drag 30,30 40 25; press 30,30; set now membrane 50; state settling; release 30,30; wait; move 30,30 30 30; "
-      "state picked");
-}
-
-TEST(DragSteps, AdjustmentAndLoadCanBeDropped) {
-  play(
-      "drag 30,30 40 25; keep a; set now membrane 50; state settling; cancel; state picked; ready; same pose a; "
-      "recorded 0 membrane 500; reload; state settling; cancel; state picked; ready; same pose a; set membrane 20; "
-      "steps 1; recorded 0 membrane 20");
 }
 
 TEST(DragSteps, SavedEditLoadsToTheSameBits) {
@@ -470,22 +337,6 @@ TEST(DragSteps, AdviceIsGivenWhereAStepFolded) {
   EXPECT_EQ(other.log.back(), "step 1 of the saved edit: " + advice);
 }
 
-TEST(DragLastStep, TakesNumbersAndAFraction) {
-  play(
-      "click 30,30; no_last; last 0 0 0 1; says 'no last step'; keys tz4; enter; last_is 0 0 4 1; last 0 0 4 0.25; "
-      "steps 1; recorded 0 translation 0 0 1; moved 30,30 0 0 1 0.02; last_is 0 0 4 0.25; consistent; last 1 0 2 1; "
-      "recorded 0 translation 1 0 2; consistent; last 1 0 2 0.5; set membrane 100; last_is 1 0 2 0.5; consistent; "
-      "undo; same pose rest; redo; last_is 1 0 2 0.5; last 1 0 2 0; same pose rest; last 1 0 2 1; moved 30,30 1 0 2 "
-      "0.03; consistent; click 32,30; no_last");
-}
-
-TEST(DragLastStep, IsShownWhileItChangesAndAppliedAtTheEnd) {
-  play(
-      "click 30,30; keys tz4; enter; keep a; last 0 0 4 0.9 passing; moved 30,30 0 0 3.6 0.05; settled not; last 0 0 4 "
-      "0.5 passing; moved 30,30 0 0 2 0.05; settled not; recorded 0 translation 0 0 4; cancel; same pose a; "
-      "consistent; last 0 0 4 0.5 passing; last 0 0 4 0.5; settled; recorded 0 translation 0 0 2");
-}
-
 TEST(DragLastStep, OfABentCurveAndOfSeveralHandlesAndOnBothSides) {
   Play bent;
   Window& window = bent.run(std::string(kMouth) + "drag 35,30 0 -30");
@@ -513,88 +364,6 @@ TEST(DragLastStep, RefusesWhatItCannotDo) {
   motion.scale = 0;
   session.set_last_step(motion, 1);
   played.run("says 'greater than 0'; same pose a");
-}
-
-/// A plate with a dent of depth 2 and width 4 in the middle, and a script for it.
-void play_on_dent(const std::string& script) {
-  TriangleMesh mesh = shapes::grid(60, 60);
-  const Vector3 middle = mesh.vertices.row(60 * 30 + 30).transpose();
-  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
-    mesh.vertices(v, 2) = -2 * std::exp(-(mesh.vertices.row(v) - middle.transpose()).head<2>().squaredNorm() / 16);
-  }
-  support::play(script, mesh);
-}
-
-TEST(DragDetail, APressAndAValueFlattenADentAndAreReplayedToTheBit) {
-  play_on_dent(
-      "set radius 14; click 30,30; set detail 0; deep 0; steps 1; recorded 0 handles 0; consistent; set detail 0.5; "
-      "deep 1; steps 1; set detail 0.25; consistent; set detail 1; same pose rest");
-}
-
-TEST(DragDetail, PassingValuesAreShownAndTheLastOneIsApplied) {
-  play_on_dent(
-      "set radius 14; click 30,30; set passing detail 0.8; steps 0; cannot redo; deep 1.6; settled not; set passing "
-      "detail 0.4; steps 0; deep 0.8; set detail 0.4; steps 1; deep 0.8; undo; same pose rest; has detail 1; redo; "
-      "deep 0.8");
-}
-
-TEST(DragDetail, APaintedRegionNeedsNoHandle) {
-  play_on_dent("region 16,16 44,44; set detail 0.5; set detail 0; deep 0; steps 1");
-}
-
-TEST(DragDetail, APaintedRegionTakesAMarginAtWhichADentHasEnded) {
-  play_on_dent(
-      "region 21,21 39,39; keep a; set passing detail 0.5; steps 0; cancel; same region a; same pose rest; set detail "
-      "0; deep 0; steps 1; same region a; click 30,30; same region a; undo; same pose rest; same region a");
-}
-
-TEST(DragDetail, BelongsToOneStep) {
-  play_on_dent(
-      "set radius 14; click 30,30; set detail 0; drag 30,30 30 0; steps 2; recorded 1 detail 1; has detail 1; set "
-      "detail 2; steps 2; recorded 1 detail 2; click 10,10; has detail 1");
-}
-
-TEST(DragDetail, IsRefusedWithoutARegionOrItsBoundary) {
-  play_on_dent(
-      "set detail 0; says 'no region'; has detail 1; click 30,30; whole; set detail 0; says 'whole piece'; steps 0; "
-      "cannot redo");
-}
-
-/// A grid of 60 x 60 vertices, and others at the places of a seam in its middle.
-TriangleMesh torn_grid() {
-  return support::with_islands(shapes::grid(60, 60), 30);
-}
-
-TEST(DragWeld, InvertedRegionReplays) {
-  play("set radius 4; click 5,20; change invert; drag 30,20 20 40; steps 1; consistent", torn_grid());
-}
-
-TEST(DragWeld, SeamStaysClosed) {
-  play(
-      "set radius 9; click 30,20; press 30,20; move 30,20 40 60; wait; other pose rest; closed; release 30,20 40 60; "
-      "wait; closed; consistent; set membrane 100; closed; drag 30,20 -20 10; steps 2; consistent; undo 2; same pose "
-      "rest; redo 2; consistent; closed",
-      torn_grid());
-}
-
-TEST(DragWeld, SelectionsOfOneSideCount) {
-  support::Play played(torn_grid());
-  Window& window = played.window;
-  const Weld weld(window.session.original().vertices);
-  std::vector<int> right;  // of the island beyond the seam, which has its other vertices
-  for (int v = 0; v < static_cast<int>(window.session.original().vertices.rows()); ++v) {
-    const auto faces = window.session.given_adjacency().faces[v];
-    if (faces.size() > 0 && window.session.original().vertices(v, 0) >= 30 &&
-        (weld.representative(v) != v || window.session.original().vertices(v, 0) > 30)) {
-      right.push_back(v);
-    }
-  }
-  window.session.set_painted(BrushTarget::Region, right);
-  window.click(nearest_vertex(window.session.mesh(), Vector3(40, 20, 0)));
-  EXPECT_TRUE(window.session.unconnected().empty());
-  EXPECT_EQ(window.region().size(), right.size());
-  window.drag(nearest_vertex(window.session.mesh(), Vector3(40, 20, 0)), Vector2(10, 30));
-  played.run("closed; consistent");
 }
 
 /// A step that has no meaning but its number.

@@ -15,20 +15,12 @@
 namespace lapedit::drag_session_test {
 namespace {
 
+using support::hills;
 using support::kMiddle;
 using support::play;
 using support::same_bits;
 using support::Window;
 using State = DragSession::State;
-
-TriangleMesh hills() {
-  TriangleMesh mesh = shapes::grid(60, 60);
-  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
-    const Vector3 p = mesh.vertices.row(v).transpose();
-    mesh.vertices(v, 2) = std::sin(0.9 * p.x()) * std::cos(0.7 * p.y());
-  }
-  return mesh;
-}
 
 TEST(DragSession, PressDragReleaseBringsTheVertexUnderTheCursor) {
   Window window(hills());
@@ -67,14 +59,6 @@ TEST(DragSession, EachMoveShowsAPassingPoseOfTheNewestCursor) {
   EXPECT_TRUE(same_bits(window.session.mesh().vertices, window.session.original().vertices));
 }
 
-TEST(DragSession, HandleIsTakenHoldOfByItsMarkThoughAFoldHidesIt) {
-  play("set radius 6; drag 30,30 30 10; drag 30,30 10 30; steps 2; groups 30,30", hills());
-}
-
-TEST(DragSession, PressJustBesideTheEdgeMeansTheEdge) {
-  play("press 59,59 2 -2; release 59,59 2 -2; wait; groups 59,59; clear; press 59,59 5 -5; groups none", hills());
-}
-
 TEST(DragSession, HandleOnTheFarSideIsNotInTheWay) {
   Window window(shapes::icosphere(4));
   int vertex = 0;
@@ -86,31 +70,11 @@ TEST(DragSession, HandleOnTheFarSideIsNotInTheWay) {
   EXPECT_EQ(window.groups(), std::vector<std::vector<int>>{{vertex}});
 }
 
-TEST(DragSession, ClickShowsTheRegionAndMovesNothing) {
-  play("click 30,30; state picked; groups 30,30; in 30,30 31,30; ready; same pose rest; logged 0; cannot undo",
-       hills());
-}
-
-TEST(DragSession, ClickBesideTheMeshSaysSoAndDoesNothing) {
-  play("press 0,0 -20 20; says 'no surface'; move 0,0 20 0; release 0,0 20 0; wait; state idle; out 0,0", hills());
-}
-
 TEST(DragSession, RefusesAMeshWithoutFaces) {
   TriangleMesh cloud;
   cloud.vertices = Points::Random(10, 3);
   cloud.faces.resize(0, 3);
   EXPECT_THROW(DragSession(cloud, StoredScalar::Float, {}), EditError);
-}
-
-TEST(DragSession, CancelledDragLeavesEveryBit) {
-  play(
-      "click 30,30; press 30,30; move 30,30 50 20; wait; other pose rest; cancel; same pose rest; settled; release "
-      "30,30; wait; steps 0; drag 30,30 10 0; steps 1",
-      hills());
-}
-
-TEST(DragSession, ReleasedStepCanBeDroppedUntilItIsThere) {
-  play("press 30,30; move 30,30 50 20; release 30,30 50 20; state settling; cancel; steps 0; same pose rest", hills());
 }
 
 TEST(DragSession, FinishAppliesWhatWasReleasedAndDropsWhatIsHeld) {
@@ -134,26 +98,6 @@ TEST(DragSession, FinishDoesNotWaitLongerThanItMayAndTheStepFollows) {
   window.session.wait();
   EXPECT_EQ(window.session.recorded().steps.size(), 1U);
   EXPECT_TRUE(window.session.take_change()->settled);
-}
-
-TEST(DragSession, MouseWhileAStepIsWorkedOutIsNotLost) {
-  play(
-      "press 30,30; move 30,30 30 0; release 30,30 30 0; state settling; press 30,35; move 30,35 0 20; release 30,35 0 "
-      "25; wait; steps 2",
-      hills());
-}
-
-TEST(DragSession, NextClickAbandonsWhatIsPrepared) {
-  play("press 30,30; release 30,30; click 10,10; groups 10,10; ready; in 10,10; anchor 10,10 not", hills());
-}
-
-TEST(DragSession, TypedAmountsAreExact) {
-  play(
-      "click 30,30; keys tx1.5; enter; recorded 0 translation 1.5 0 0; keys ty-2; enter; recorded 1 translation 0 -2 "
-      "0; keys tz0.125; enter; recorded 2 translation 0 0 0.125; keys txy3; enter; recorded 3 translation 0 3 0; set "
-      "radius 9; keys "
-      "tz7864%; enter; recorded 4 translation 0 0 707.76",
-      hills());
 }
 
 TEST(DragSession, NormalLockFollowsTheSurface) {
@@ -181,14 +125,6 @@ TEST(DragSession, TurnAndScaleGoAboutTheGroupsCenter) {
     return (points.rowwise() - points.colwise().mean()).norm();
   };
   EXPECT_NEAR(spread(window.host()) / spread(window.session.original().vertices), 1.5, 0.03);
-}
-
-TEST(DragSession, RotatingOrScalingASingleVertexIsRefused) {
-  play(
-      "click 30,30; keys r; state picked; says 'Turning needs a handle of several vertices, and this one is vertex "
-      "1830 alone'; keys s; state picked; says 'Scaling needs a handle of several vertices, and this one is vertex "
-      "1830 alone'",
-      hills());
 }
 
 TEST(DragSession, KeyMotionFollowsTheMouseAndAClickAppliesIt) {

@@ -20,6 +20,14 @@ inline TriangleMesh plate() {
   return mesh;
 }
 
+inline TriangleMesh hills() {
+  TriangleMesh mesh = shapes::grid(60, 60);
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    mesh.vertices(v, 2) = std::sin(0.9 * mesh.vertices(v, 0)) * std::cos(0.7 * mesh.vertices(v, 1));
+  }
+  return mesh;
+}
+
 /// Sends events to a session of a grid of 60 x 60 vertices, and checks what it has then. A script is commands with
 /// semicolons between: "30,31" is the vertex at x = 30, y = 31, "25..35,30" are eleven, and a text is in apostrophes.
 /// "keep a" keeps the state, which "same", "other" and "more" compare with; the first one is "rest".
