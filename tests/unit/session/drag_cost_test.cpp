@@ -9,7 +9,6 @@
 #include <atomic>
 #include <csignal>
 #include <cstddef>
-#include <memory>
 #include <type_traits>
 #endif
 

@@ -14,7 +14,6 @@
 #include "drag_support.h"
 #include "lapedit/session/drag_key.h"
 #include "lapedit/session/snap.h"
-#include "shapes.h"
 
 namespace lapedit::drag_motion_test {
 namespace {
