@@ -76,7 +76,7 @@ def insert(folder, faults):
 
 def fails(folder, test, number):
     """Whether a test program, or one of the tests of ctest, fails with a fault (0: without), or takes ten minutes."""
-    program = folder / "build/tests" / test
+    program = folder / "build/tests/unit" / test
     command = ([program, "--gtest_fail_fast", "--gtest_brief=1"] if test.endswith("_tests") else
                ["ctest", "--test-dir", folder / "build", "--stop-on-failure", "--no-tests=error", "-R", f"^{test}$"])
     try:
