@@ -307,7 +307,7 @@ TEST(DragMirror, AsymmetricMeshIsSaid) {
 }
 
 TEST(DragSoft, WeightsFallOffAndAreRecorded) {
-  support::Play played(shapes::grid(60, 60));
+  support::Play played(sheet());
   const Edit edit =
       played.run("set radius 12 disc 0.4 falloff 2; drag 30,30 0 40; consistent; undo; redo; drag 30,30 0 -20")
           .session.recorded();
@@ -319,20 +319,10 @@ TEST(DragSoft, WeightsFallOffAndAreRecorded) {
 }
 
 TEST(DragGap, NearPiecesAreOneRegion) {
-  const TriangleMesh eye = shapes::icosphere(2), head = shapes::icosphere(4);
-  Window window(shapes::together(head, eye, Vector3(0, 0, 2.02)));
-  const int front = support::vertex_at(window.session.mesh(), Vector3(0, 0, 4));
-  ASSERT_GE(front, head.vertices.rows());
-  window.sizes(1);
-  window.click(front);
-  window.sizes(100);
-  EXPECT_EQ(window.session.shown().region()->size(), eye.vertices.rows());
-  EXPECT_TRUE(window.says("Nothing holds"));
-  window.change([](DragSettings& s) { s.connect_gap = 0.1; });
-  EXPECT_GT(window.session.shown().region()->size(), eye.vertices.rows());
-  window.drag(front, Vector2(30, 0));
-  EXPECT_EQ(window.session.recorded().steps.at(0).region.connect_gap, 0.1);
-  window.expect_consistent();
+  play(
+      "set radius 1; click 62,2; set radius 100; says 'Nothing holds'; keep a; out 59,4; set gap 1; more region a; in "
+      "59,4; drag 62,2 30 0; recorded 0 gap 1; consistent",
+      shapes::together(sheet(), shapes::grid(5, 60), Vector3(59.9, 0, 0)));
 }
 
 TEST(DragHover, ShowsWhatAPressWouldTake) {
@@ -415,7 +405,7 @@ void corner(Window& window, PressModifiers modifiers = {}) {
 }
 
 TEST(DragPaint, StrokeIsABandAlongItsPath) {
-  Window window(shapes::grid(60, 60));
+  Window window(sheet());
   with_brush(window);
   window.session.set(&Tools::paint, BrushTarget::Anchors);
   corner(window);
@@ -431,7 +421,7 @@ TEST(DragPaint, StrokeIsABandAlongItsPath) {
 TEST(DragPaint, MovesThatWaitForAStepArePaintedToo) {
   std::vector<int> painted[2];
   for (const bool waits : {false, true}) {
-    Window window(shapes::grid(60, 60));
+    Window window(sheet());
     with_brush(window);
     window.press(at(30, 20));
     window.session.move(window.at(at(30, 22)));
@@ -449,7 +439,7 @@ TEST(DragPaint, MovesThatWaitForAStepArePaintedToo) {
 TEST(DragFalloff, CurvesAreOfTheSameEndsAndOrdered) {
   std::vector<double> weights[4];
   for (int k = 0; k < 4; ++k) {
-    support::Play played(shapes::grid(60, 60));
+    support::Play played(sheet());
     weights[k] = played.run("set radius 12 disc 0.5 falloff " + std::to_string(k) + "; click 30,30")
                      .session.selection()
                      .weights.at(0);
@@ -497,20 +487,20 @@ TEST(DragPivot, DragTurnsAboutTheShoulderAndShiftMoves) {
 }
 
 TEST(DragPivot, SingleVertexTurnsAboutAPointToo) {
-  support::Play played(shapes::grid(60, 60));
+  support::Play played(sheet());
   const Window& window = played.run("set radius 12; click 30,30; pivot point; click 30,36; drag 30,30 20 60; steps 1");
   EXPECT_NE(window.recorded().transform.degrees, 0);
 }
 
 TEST(DragSteps, LoadedStepsKeepTheirNames) {
-  Window window(shapes::grid(60, 60));
+  Window window(sheet());
   window.sizes(12, 0.3);
   window.drag(kMiddle, Vector2(20, 30));
   window.keys("r");
   window.session.move(window.at(Vector2(600, 500)));
   window.keys("\r");
   window.keys("tx2\r");
-  Window other(shapes::grid(60, 60));
+  Window other(sheet());
   other.session.load(window.session.recorded());
   other.session.wait();
   const auto& names = other.session.timeline().done();

@@ -284,6 +284,10 @@ class Play {
       return equal(at >= 0 && region().classes[static_cast<std::size_t>(at)] == VertexClass::Anchor, !is(1, "not"));
     }
     if (on("moved")) return expect((way(0) - vector(1)).norm() < number(4));
+    if (on("under")) {  // the vertex appears where its first position was, moved by some pixels
+      const auto pixel = [&](const Points& points) { return window.view.pixel(points.row(vertex(0)).transpose()); };
+      return expect((pixel(window.host()) - pixel(s.original().vertices) - off()).norm() < 0.1);
+    }
     if (on("images")) return expect((way(0) - Vector3(-1, 1, 1).cwiseProduct(way(1))).norm() < 0.1 * way(0).norm());
     if (on("together")) return expect((way(0) - way(1)).norm() < 0.01 * way(0).norm());
     if (on("rests")) return expect(way(0).norm() < number(2) * way(1).norm());
