@@ -22,13 +22,11 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/base/stopwatch.h"
 #include "lapedit/edit/positions.h"
 #include "lapedit/edit/step_solver.h"
 #include "lapedit/json/edit_script.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "peers.h"
-#include "table.h"
 
 namespace quality {
 namespace {

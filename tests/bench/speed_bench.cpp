@@ -18,11 +18,9 @@
 #include <string>
 #include <vector>
 
-#include "lapedit/base/stopwatch.h"
 #include "lapedit/edit/step_solver.h"
 #include "lapedit/mesh/geodesic.h"
 #include "peers.h"
-#include "table.h"
 
 namespace speed {
 namespace {
