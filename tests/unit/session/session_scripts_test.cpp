@@ -38,6 +38,11 @@ std::string name_of(const testing::TestParamInfo<Script>& script) {
 const std::vector<Script> kOnPlate = on(
     support::plate,
     {
+        {"Region_GrowsAndShrinksByARingAndGrowsToTheComponent",
+         "whole; says 'no handle'; keys ]; says 'no region yet'; set radius 5; click 30,30; keep a; keys ]; more "
+         "region a; keys [; same region a; ready; whole; in 0..59,0 0..59,59; anchor 0,0 not; set radius 2; keys w; "
+         "click 10,10; keys [[[; in 10,10; groups 10,10"},
+        {"Region_ShrinksToOneRingAtLeast", "region 30,30 31,31; keys [; says 'no vertices left'; in 30,30"},
         {"Region_SettingsOutOfRangeAreRefusedAndChangeNothing",
          "click 30,30; keep a; set radius -1; says radius; set order 2; same settings a; ready"},
         {"Region_AnotherHandleInsideKeepsItOneOutsideDoesNot",
@@ -137,6 +142,12 @@ TriangleMesh sheet() {
 const std::vector<Script> kOnSheet = on(
     sheet,
     {
+        {"Curve_GoesAroundOtherGroups",
+         "set radius 15; click 30,35; keys g; mode curve; click 30,30; click 30,40; count 2; painted 30,35; size 10 "
+         "1; mode vertex; mode curve; click 32,30; groups 32,30"},
+        {"Curve_StaysInItsRegion",
+         "region 20,20 30,30; mode curve; click 25,28; click 25,34; says '4 vertices of the curve are outside the "
+         "region, for example vertex 1531'; groups 25,28"},
         {"Paint_EachTargetIsPaintedWithoutAKey",
          "set radius 12 brush 12; paint region; says 'Paint the region'; stroke 20,30 40,30; in 30,30; groups none; "
          "keys "
@@ -209,6 +220,10 @@ INSTANTIATE_TEST_SUITE_P(Sheet, Session, testing::ValuesIn(kOnSheet), name_of);
 const std::vector<Script> kOnHills = on(
     support::hills,
     {
+        {"Session_FinishAppliesWhatWasReleased",
+         "press 30,30; move 30,30 50 20; release 30,30 50 20; finish 3600; steps 1; consistent"},
+        {"Session_FinishDropsWhatIsHeld",
+         "click 30,30; press 30,30; move 30,30 50 20; wait; finish 0; steps 0; same pose rest"},
         {"Session_HandleIsTakenHoldOfByItsMarkThoughAFoldHidesIt",
          "set radius 6; drag 30,30 30 10; drag 30,30 10 30; steps 2; groups 30,30"},
         {"Session_PressJustBesideTheEdgeMeansTheEdge",
