@@ -96,12 +96,14 @@ extern "C" void remember(int request) {
   requested = request;
 }
 
-/// Installs the handler for requests that are not ignored already, as nohup does. Calls that wait then fail (EINTR).
+/// Installs the handler for requests that are not ignored already, as nohup does. Calls that wait then fail (EINTR). A
+/// second request ends the program at once.
 void watchRequests() {
   for (const int request : kRequests) {
     struct sigaction action = {};
     if (::sigaction(request, nullptr, &action) == 0 && action.sa_handler == SIG_DFL) {
       action.sa_handler = remember;
+      action.sa_flags = static_cast<int>(SA_RESETHAND);
       ::sigaction(request, &action, nullptr);
     }
   }
