@@ -114,7 +114,10 @@ class MeshBytes:
             if b"N" in prefixes:
                 behind = 3 + (b"4" in prefixes) + 4 * (b"NC" in prefixes and words[3][0] == b"9")
                 self.add_text("vertex normal", row, words[behind:])
-        self.polygons = [[int(word) for word, _ in line[1:1 + int(line[0][0])]] for line in lines[vertices:vertices + faces]]
+        diagonals = set()
+        for line in lines[vertices:vertices + faces]:
+            corners = [int(word) for word, _ in line[1:1 + int(line[0][0])]]
+            self.polygons.append(split_as_meshlab(self.points, corners, diagonals) if len(corners) == 4 else corners)
 
     def read_stl(self):
         if len(self.data) == 84 + 50 * int.from_bytes(self.data[80:84], "little"):
@@ -151,6 +154,25 @@ class MeshBytes:
         else:
             vectors = [(unit(cross(self.points, *corner)), angle(self.points, *corner)) for corner in self.users.get(number, ())]
         return unit([sum(weight * vector[k] for vector, weight in vectors) for k in range(3)])
+
+
+def split_as_meshlab(points, quad, diagonals):
+    """The quad from the corner on where the diagonal begins with which MeshLab reads it from OFF: that whose worse triangle has
+    the better shape; none twice."""
+    def worse(a, b, c, d):
+        return min(shape(points, a, b, c), shape(points, a, c, d))
+    following = [*quad[1:], quad[0]]
+    chosen = following if worse(*quad) < worse(*following) else quad
+    if {chosen[0], chosen[2]} in diagonals:
+        chosen = [*chosen[1:], chosen[0]]
+    diagonals.add(frozenset((chosen[0], chosen[2])))
+    return chosen
+
+
+def shape(points, *corners):
+    """Inradius over circumradius, up to a factor."""
+    a, b, c = (math.dist(points[corners[k - 1]], points[corners[k]]) for k in range(3))
+    return (b + c - a) * (c + a - b) * (a + b - c) / (a * b * c)
 
 
 def cross(points, a, b, c):

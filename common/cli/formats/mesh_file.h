@@ -129,6 +129,9 @@ class MeshBuilder {
   /// Adds the fan of a polygon. Fewer than three corners give no triangle. Corners may come before their vertices.
   void addPolygon(const std::vector<long long>& corners);
   std::size_t vertexCount() const { return coordinates_.size() / 3; }
+  Eigen::Map<const lapedit::Vector3> vertex(std::size_t v) const {
+    return Eigen::Map<const lapedit::Vector3>(&coordinates_[3 * v]);
+  }
   std::size_t faceCount() const { return corners_.size() / 3; }
 
   /// Adds one normal per vertex.

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // OFF as Geomview describes it, in text: counts, vertices, faces. Before OFF the header names what follows the
 // coordinates of a vertex: 4 a weight, N a normal, C a colour, ST texture coordinates.
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <unordered_set>
 #include <utility>
 
 #include "formats/text_reader.h"
@@ -75,6 +79,52 @@ int numbersBeforeNormal(TextReader reader, const Columns& columns) {
   return isUnit(first) ? 0 : kColour;
 }
 
+/// Inradius over circumradius of a triangle, 1 if it is equilateral.
+float qualityOf(const Eigen::Vector3f& p, const Eigen::Vector3f& q, const Eigen::Vector3f& r) {
+  const auto length = [](const Eigen::Vector3f& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
+  const float a = length(q - p), b = length(r - p), c = length(q - r), half = (a + b + c) * 0.5F;
+  const float squaredArea = half * (a + b - half) * (a + c - half) * (b + c - half);
+  return squaredArea <= 0 ? 0 : 8 * squaredArea / (a * b * c * half);
+}
+
+/// Returns whether the triangles p r q and p q s of a quad are folded onto each other.
+bool isFolded(const Eigen::Vector3f& p, const Eigen::Vector3f& r, const Eigen::Vector3f& q, const Eigen::Vector3f& s) {
+  const Eigen::Vector3f one = (r - p).cross(q - p), other = (q - p).cross(s - p);
+  return one.norm() * other.norm() > 0 && one.dot(other) <= 0;
+}
+
+/// Chooses the diagonals of quads as MeshLab does when it reads OFF (vcglib's BitQuad::QuadTriangulate): the one whose
+/// worse triangle has the better shape, unless it folds the quad; no diagonal twice. In single precision, since
+/// the rounding decides for squares.
+class Diagonals {
+ public:
+  explicit Diagonals(const MeshBuilder& mesh) : mesh_(mesh) {}
+
+  /// Rotates the corners of a quad so that its diagonal begins at the first one.
+  void choose(std::vector<long long>& quad) {
+    std::array<Eigen::Vector3f, 4> p;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (quad[k] < 0 || static_cast<std::size_t>(quad[k]) >= mesh_.vertexCount()) {
+        return;  // addPolygon() refuses it
+      }
+      p[k] = mesh_.vertex(static_cast<std::size_t>(quad[k])).cast<float>();
+    }
+    const float first = std::min(qualityOf(p[0], p[1], p[2]), qualityOf(p[0], p[2], p[3]));
+    const float second = std::min(qualityOf(p[1], p[2], p[3]), qualityOf(p[1], p[3], p[0]));
+    if (first < second && !(isFolded(p[1], p[2], p[3], p[0]) && !isFolded(p[0], p[1], p[2], p[3]))) {
+      std::rotate(quad.begin(), quad.begin() + 1, quad.end());
+    }
+    const auto [low, high] = std::minmax(quad[0], quad[2]);
+    if (!taken_.insert(static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint64_t>(high)).second) {
+      std::rotate(quad.begin(), quad.begin() + 1, quad.end());
+    }
+  }
+
+ private:
+  const MeshBuilder& mesh_;
+  std::unordered_set<std::uint64_t> taken_;  // ends of diagonals
+};
+
 }  // namespace
 
 MeshFile readOff(std::string bytes, bool isWhole) {
@@ -142,12 +192,16 @@ MeshFile readOff(std::string bytes, bool isWhole) {
   }
 
   std::vector<long long> corners;
+  Diagonals diagonals(mesh);
   for (std::size_t f = 0; f < faces; ++f) {
     corners.clear();
     for (std::size_t left = count(reader, reader.word()); left > 0; --left) {
       corners.push_back(reader.integer(reader.word()));
     }
     reader.skipLine();  // may have colours
+    if (corners.size() == 4) {
+      diagonals.choose(corners);
+    }
     mesh.addPolygon(corners);
   }
   if (!reader.word().empty()) {
