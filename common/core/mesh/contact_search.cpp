@@ -32,6 +32,17 @@ std::pair<int, int> ascending(int a, int b) {
   return {std::min(a, b), std::max(a, b)};
 }
 
+/// Returns the faces at each vertex.
+CompressedRows faces_at(Eigen::Index vertices, const Faces& faces) {
+  return lists_of(static_cast<int>(vertices), [&faces](const auto& use) {
+    for (int f = 0; f < static_cast<int>(faces.rows()); ++f) {
+      for (const int v : faces.row(f)) {
+        use(v, f);
+      }
+    }
+  });
+}
+
 /// Sets the weights of the nearest points of two segments. Source: C. Ericson, Real-time collision detection, 2005,
 /// section 5.1.9.
 void nearest_of_edges(const Corners& x, std::array<double, 4>& weights) {
@@ -167,11 +178,15 @@ void ContactSurface::Bounds::add(const Bounds& other) {
 class ContactSurface::Patches {
  public:
   explicit Patches(Eigen::Index vertices) : parent_(static_cast<std::size_t>(vertices)) {}
-  /// @param faces  whose borders count
+  /// @param faces  all of them, for is_patch()
   Patches(Eigen::Index vertices, const Faces& faces) : Patches(vertices) {
-    at_border_.resize(parent_.size());
-    for (const auto& [a, b] : single_edges({faces.data(), faces.data() + faces.size()})) {
-      at_border_[a] = at_border_[b] = 1;
+    fan_.resize(parent_.size());
+    const CompressedRows at = faces_at(vertices, faces);
+    std::vector<int> uses(parent_.size());
+    Checkpoints checkpoints;
+    for (int v = 0; v < static_cast<int>(vertices); ++v) {
+      checkpoints();
+      fan_[v] = fan_of(v, at[v], faces, uses);
     }
   }
 
@@ -180,12 +195,13 @@ class ContactSurface::Patches {
   bool is_patch(const Faces& faces, const std::vector<int>& order, int first, int last) {
     join(faces, order, first, last);
     const int root = find(faces(order[first], 0));
+    const Fan most = last - first <= kLeaf ? Fan::Open : Fan::Closed;
     return std::all_of(order.begin() + first, order.begin() + last, [&](int f) {
       const auto face = faces.row(f);
-      return find(face[0]) == root &&
-             (last - first <= kLeaf || std::none_of(face.begin(), face.end(), [&](int v) { return at_border_[v]; }));
+      return find(face[0]) == root && std::all_of(face.begin(), face.end(), [&](int v) { return fan_[v] <= most; });
     });
   }
+
   void join(const Faces& faces, const std::vector<int>& order, int first, int last) {
     for (int k = first; k < last; ++k) {
       for (const int v : faces.row(order[k])) {
@@ -206,8 +222,38 @@ class ContactSurface::Patches {
   }
 
  private:
+  /// What the faces at a vertex are: several fans where surfaces touch in a vertex, or meet in an edge of three faces.
+  enum class Fan : char { Closed, Open, Several };
+
+  /// @param uses  for all vertices, any numbers
+  Fan fan_of(int v, const CompressedRows::Row& at, const Faces& faces, std::vector<int>& uses) {
+    const auto each_end = [&](const auto& call) {
+      for (const int f : at) {
+        const int k = faces(f, 0) == v ? 0 : faces(f, 1) == v ? 1 : 2;
+        call(faces(f, (k + 1) % 3), faces(f, (k + 2) % 3));
+      }
+    };
+    each_end([&](int a, int b) {
+      parent_[a] = a;
+      parent_[b] = b;
+      uses[a] = uses[b] = 0;
+    });
+    each_end([&](int a, int b) {
+      parent_[find(a)] = find(b);
+      ++uses[a];
+      ++uses[b];
+    });
+    Fan fan = Fan::Closed;
+    int root = -1;
+    each_end([&](int a, int b) {
+      root = root < 0 ? find(a) : root;
+      const auto [fewest, most] = std::minmax(uses[a], uses[b]);
+      fan = most > 2 || find(a) != root ? Fan::Several : std::max(fan, fewest < 2 ? Fan::Open : Fan::Closed);
+    });
+    return fan;
+  }
   std::vector<int> parent_;
-  std::vector<char> at_border_;  // per vertex
+  std::vector<Fan> fan_;  // per vertex
 };
 
 ContactSurface::ContactSurface(Points rest, Faces moving)
@@ -244,7 +290,7 @@ void ContactSurface::add_tree(int first, const Faces& faces) {
     order_[f] = f;
   }
   if (first < count) {
-    Patches patches = first > 0 ? Patches(rest_.rows()) : Patches(rest_.rows(), faces);
+    Patches patches(rest_.rows(), faces_);
     build(first, count, centres, patches);
   }
   for (int f = first; f < count; ++f) {
@@ -257,13 +303,7 @@ void ContactSurface::add_tree(int first, const Faces& faces) {
 /// Finds what each face stands for: the first face with a corner or an edge does.
 void ContactSurface::find_owners(ThreadPool& pool) {
   const auto count = static_cast<int>(faces_.rows());
-  const CompressedRows at = lists_of(static_cast<int>(rest_.rows()), [this, count](const auto& use) {
-    for (int f = 0; f < count; ++f) {
-      for (const int v : faces_.row(f)) {
-        use(v, f);
-      }
-    }
-  });
+  const CompressedRows at = faces_at(rest_.rows(), faces_);
   owned_.assign(static_cast<std::size_t>(count), 0);
   for_indices(pool, count, kGrain, [&](int f) {
     for (int k = 0; k < 3; ++k) {

@@ -157,5 +157,25 @@ TEST(ContactSearch, SeesSidesOfASlitThatCross) {
   EXPECT_GT(surface(sheet).new_crossings(sheared, pool), 0);
 }
 
+TEST(ContactSearch, SeesSheetsThatTouchInAVertexCross) {
+  TriangleMesh apart = shapes::together(shapes::grid(12, 12), shapes::grid(12, 12), {0, 0, 0});
+  const Eigen::Index half = apart.vertices.rows() / 2;
+  Points crossing = apart.vertices;
+  int centre = -1;
+  for (Eigen::Index v = half; v < crossing.rows(); ++v) {
+    const double x = crossing(v, 0) - 6, y = crossing(v, 1) - 6, squared = x * x + y * y;
+    centre = squared == 0 ? static_cast<int>(v) : centre;
+    apart.vertices.row(v) << 6 + 0.8 * x - 0.6 * y, 6 + 0.6 * x + 0.8 * y, 0.02 * squared;
+    crossing.row(v) = apart.vertices.row(v);
+    crossing(v, 2) -= 0.025 * squared * std::exp(-0.5 * ((x - 3) * (x - 3) + y * y));
+  }
+  TriangleMesh touching = apart;
+  touching.faces = (apart.faces.array() == centre).select(centre - static_cast<int>(half), apart.faces);
+  ThreadPool pool(2);
+  const int count = surface(apart).new_crossings(crossing, pool);
+  EXPECT_GT(count, 10);
+  EXPECT_EQ(surface(touching).new_crossings(crossing, pool), count);
+}
+
 }  // namespace
 }  // namespace lapedit::contact_search_test
