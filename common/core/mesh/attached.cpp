@@ -15,10 +15,11 @@
 namespace lapedit {
 namespace {
 
-constexpr double kTouches = 0.01;          // of the moving part's size
-constexpr double kSmall = 0.5;             // a piece's size over that of the moving part
-constexpr double kEncloses = 0.4;          // winding number of the moving part about a piece
-constexpr std::size_t kMostEnclosed = 64;  // only the largest pieces are tested for being enclosed
+constexpr double kTouches = 0.01;  // of the moving part's size
+constexpr double kSmall = 0.5;     // a piece's size over that of the moving part
+constexpr double kEncloses = 0.4;  // winding number of the moving part about a piece
+/// Only the largest pieces are tested for being enclosed: as many as take some seconds, but at least these.
+constexpr std::size_t kMostAngles = 20000000, kEnclosed = 64;
 
 /// A part of the surface beyond the inner edge of the band.
 struct Part {
@@ -134,8 +135,9 @@ class PieceSearch {
     if (!pieces.empty()) {
       tree_.emplace(mesh_.vertices, moving_);
     }
+    const std::size_t tested = std::max(kEnclosed, kMostAngles / (faces_.size() + 1));
     for (std::size_t k = 0; k < pieces.size(); ++k) {
-      consider(pieces[k], k < kMostEnclosed);
+      consider(pieces[k], k < tested);
     }
     found_.links = sorted_set(std::move(found_.links));
   }

@@ -96,6 +96,15 @@ TEST_P(Sizes, PieceThatIsEnclosedOrTouchesComesAlong) {
   }
 }
 
+TEST_P(Sizes, AllEnclosedPiecesComeAlongHoweverMany) {
+  TriangleMesh head = shapes::icosphere(levels());
+  constexpr int kPieces = 200;
+  for (int k = 0; k < kPieces; ++k) {
+    head = with_ball(head, 0.01, Vector3(0.02 * (k % 20) - 0.2, 0.03 * (k / 20) - 0.15, 0.6));
+  }
+  EXPECT_EQ(region_about(sized(head), size() * Vector3::UnitZ(), spec(1.5)).pieces, kPieces);
+}
+
 TEST_P(Sizes, PieceOfAGivenSetComesAlongIfItIsWholeInIt) {
   const TriangleMesh head = shapes::icosphere(levels());
   const TriangleMesh mesh = sized(with_ball(head, 0.15, 0.8 * Vector3::UnitZ()));
