@@ -411,15 +411,16 @@ std::string advice_on_corner(const R& r) {
 std::string EditReport::advice() const {
   const R& r = *this;
   // One or two folds among the many triangles of a fit are no reason to look for a cause.
-  constexpr double kFewFolds = 5e-4, kCoarse = 1e-3;
+  constexpr double kFewFolds = 5e-4;
+  const double coarse = fit ? 1e-3 * fit->size : 1e-2 * causes.farthest;
   const bool folds = folded > (fit ? std::max(2.0, kFewFolds * mesh_vertices) : 0);
   const bool stopped = contact && !contact->stops.empty();
   const bool shape = folds || new_intersections.value_or(0) > 0 || has_long_edges(r) || has_stretched_area(r);
-  return sentences({{causes.unheld && handle_displacement > 0, advice_on_hold(r)},
-                    {fit && causes.step > kCoarse * fit->size,
-                     format_text("The mesh stores coordinates there in steps of %.3g: move the scan near the origin, "
-                                 "or save the template in double precision.",
-                                 causes.step)},
+  return sentences({{causes.step > coarse && coarse > 0,
+                     format_text("The mesh stores coordinates there in steps of %.3g: move the %s near the origin, "
+                                 "or save the %s in double precision.",
+                                 causes.step, fit ? "scan" : "mesh", fit ? "template" : "mesh")},
+                    {causes.unheld && handle_displacement > 0, advice_on_hold(r)},
                     {fit.has_value(), fit ? advice_on_fit(*fit, landmarks) : ""},
                     {causes.lost.vertex >= 0, advice_on_volume(r)},
                     {!causes.rigid && shape, advice_on_shape(r)},

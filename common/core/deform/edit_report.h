@@ -89,7 +89,7 @@ struct AdviceCauses {
   double farthest = 0;        ///< largest distance from the handle in the region
   int behind = -1;            ///< the handle vertex of full weight that is farthest from its target
   double distance = 0;        ///< distance of that vertex to its target
-  double step = 0;            ///< spacing of the coordinates that the mesh can store there
+  double step = 0;            ///< spacing of the coordinates that the mesh can store in the region
   bool rigid = false;         ///< each component moved rigidly, up to rounding
   int unsettled = -1;         ///< the vertex that rotated most in the last pass
   int unsettled_group = -1;   ///< the nearest of several handle groups

@@ -467,10 +467,7 @@ EditReport StepSolver::report() const {
   if (contact_) {
     report.contact = contact_report();
   }
-  if (report.causes.behind >= 0) {
-    const int behind = index_in(region().mesh_vertex, report.causes.behind);
-    report.causes.step = spacing(options_.scalar, positions_.row(behind).cwiseAbs().maxCoeff());
-  }
+  report.causes.step = spacing(options_.scalar, positions_.cwiseAbs().maxCoeff());
   return report;
 }
 
