@@ -70,7 +70,7 @@ struct MeshFile {
   std::string bytes;
   std::string space;  ///< coordinate system that the header names, "RAS" or "LPS"; empty: none
   bool bigEndian = false;
-  lapedit::TriangleMesh mesh;  ///< polygons are fanned from their first corner
+  lapedit::TriangleMesh mesh;  ///< polygons are fanned, from the first corner but for quads of OFF
   lapedit::StoredScalar scalar = lapedit::StoredScalar::Double;
   bool hasPolygons = false;
   lapedit::SelectedVertices selected;  ///< by MeshLab's flags, which PLY alone can have
