@@ -223,6 +223,8 @@ class Regions(LandmarkTest):
                                 ({"radius": 9}, (stay,)), ({"radius": 0.35}, (lift,))):
             self.assertNotIn("Nothing holds", self.advice(region, *handles), region)
         self.assertNotIn("Nothing holds", self.advice({"radius": 9}, lift, more=("--fraction", "0")))
+        loose = self.write("loose.ply", files.ply_plain(([*DOME[0], (0.5, 0.5, HEIGHT + 0.01)], DOME[1])))
+        self.assertNotIn("Nothing holds", self.advice({"radius": 0.35}, {**lift, "vertices": f"{CENTRE},441"}, mesh=loose))
         self.refused(ADVISED, "Nothing holds the surface", self.mesh, "new.ply",
                      self.write_edit({"region": {"radius": 9}, "handles": [lift]}), "--strict")
 

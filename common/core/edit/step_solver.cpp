@@ -64,15 +64,18 @@ FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, co
 
 namespace {
 
-/// Returns whether neither anchors nor a group without motion hold some component of a region.
+/// Returns whether neither anchors nor a group without motion hold some component of a region, in which something
+/// follows a handle.
 bool is_unheld(const Region& region, const GroupPaths& paths) {
-  std::vector<char> held = region.anchored;
+  std::vector<char> held = region.anchored, follows(held.size(), 0);
   for (int i = 0; i < region.size(); ++i) {
     if (region.group[i] >= 0) {
       held[region.component[i]] |= paths.stays(static_cast<std::size_t>(region.group[i]));
+    } else {
+      follows[region.component[i]] = 1;
     }
   }
-  return std::count(held.begin(), held.end(), 0) > 0;
+  return !std::equal(follows.begin(), follows.end(), held.begin(), [](char one, char is) { return is || !one; });
 }
 
 /// Returns the handle group that is nearest to a vertex in space; -1 if there is one group only.
