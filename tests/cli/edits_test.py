@@ -18,7 +18,7 @@ from program import COMMAND
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "compat"))
 
 import ply_meshes  # noqa: E402
-from surfaces import X, Y, Z, ball, between, degrees_between, fitted, grid, near, nearest, normals_of, read, rotation, together, tube, write  # noqa: E402
+from surfaces import X, Y, Z, ball, between, crosses, degrees_between, fitted, grid, near, nearest, normals_of, read, rotation, together, tube, write  # noqa: E402
 
 METHODS = ("default", "paper", "linear")
 
@@ -222,6 +222,106 @@ def affine(linear, centre=(0, 0, 0), shift=(0, 0, 0)):
 
 def moved(matrix, points):
     return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+class Exactness(Edits):
+    """The same by dense matrices, absolute positions and QR: what is solved, and the paper's rotations."""
+
+    def setUp(self):
+        """An uneven sheet that goes on outside of the region, with weak anchors, and a soft and a lone handle."""
+        random = np.random.default_rng(4)
+        points, faces = grid(14, 11)
+        points[:, :2] += random.uniform(-0.2, 0.2, (len(points), 2))
+        points[:, 2] = np.sin(0.7 * points[:, 0] + 0.4) * np.cos(0.6 * points[:, 1])
+        self.mesh, self.p, self.n = (points, faces), points[33:], len(points) - 33
+        self.faces = faces[(faces >= 33).all(1)] - 33
+        weights, handles = np.r_[random.uniform(0.2, 1, 22), np.zeros(self.n - 22)], np.array((60, 61, 71))
+        held = {"vertices": "33-54", "weights": weights[:22].tolist(), "depths": [1] * 22, "reach": 9}
+        by = affine(rotation((1, 0, 1), 35), points[handles + 33].mean(0), (0.1, 0, 1.4))
+        self.step = step({**handle(handles + 33, matrix=by.ravel()), "weights": [1, 0.5, 0.2]}, handle(33 + 84, translation=(-0.5, 0.2, 1)),
+                         region={"vertices": f"33-{len(points) - 1}", "anchors": held})
+        self.targets = self.p.copy()
+        self.targets[handles], self.targets[84] = moved(by, self.p[handles]), self.p[84] + (-0.5, 0.2, 1)
+        self.anchors, self.handles = weights, np.zeros(self.n)
+        self.handles[[*handles, 84]] = 1, 0.5, 0.2, 1
+        self.ring = self.edge_weights("umbrella") > 0
+
+    def edge_weights(self, kind):
+        points, faces = self.mesh
+        w = np.zeros((len(points), len(points)))
+        for a, b, c in (np.roll(face, k)[[0, 1, 2][::way]] for face in faces for k in range(3) for way in (1, -1)):
+            u, v, edge = points[a] - points[c], points[b] - points[c], points[a] - points[b]
+            at, at_a, at_b = (math.acos(p @ q / np.linalg.norm(p) / np.linalg.norm(q)) for p, q in ((u, v), (u, edge), (-v, edge)))
+            w[a, b] = {"umbrella": 1, "cotangent": w[a, b] + 1 / math.tan(at),
+                       "mean_value": w[a, b] + (math.tan(at_a / 2) + math.tan(at_b / 2)) / np.linalg.norm(edge)}[kind]
+        return np.maximum(w, 0)[33:, 33:]
+
+    def membrane(self, w, membrane):
+        areas = np.linalg.norm(crosses(self.p, self.faces), axis=1) / 2
+        centres = self.p[self.faces].mean(1)
+        size = 2 * areas @ ((centres - areas @ centres / areas.sum()) ** 2).sum(1) / areas.sum()
+        return min(membrane * 2 / math.sqrt(3) * areas.sum() / self.n / 4 / size, 1) / w.sum(1).mean()
+
+    def solved(self, w, rotations, order=1, membrane=0, handle_weight=10, anchor_weight=10, **_):
+        m = np.eye(self.n) - w / w.sum(1, keepdims=True)
+        rows = -np.einsum("ij,iab,ijb->ia", m, rotations, self.p[:, None] - self.p)
+        held = handle_weight * self.handles + anchor_weight * self.anchors
+        if membrane:
+            left = m.T + np.diag(self.membrane(w, membrane) * w.sum(1))
+            return np.linalg.solve(left @ m + np.diag(held**2), left @ rows + held[:, None] ** 2 * self.targets)
+        power = np.linalg.matrix_power(m, order - 1)
+        q, r = np.linalg.qr(np.vstack([power @ m, np.diag(held)]))
+        return np.linalg.solve(r, q.T @ np.vstack([power @ rows, held[:, None] * self.targets]))
+
+    def frames(self, smoothing, points, edges):
+        n = smoothing @ normals_of(points, self.faces)
+        n /= np.linalg.norm(n, axis=1, keepdims=True)
+        if edges is None:  # the most tangential ones
+            ways = self.p - self.p[:, None]
+            edges = np.where(self.ring, abs(np.einsum("ijk,ik->ij", ways, n)) / np.maximum(np.linalg.norm(ways, axis=2), 1e-9), 9).argmin(1)
+        along = np.cross(np.cross(n, points[edges] - points), n)
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        return np.stack([n, along, np.cross(n, along)], 2), edges
+
+    def paper_rotations(self, rough, radius):
+        """From smoothed normals, by the paper's polynomial of distances along edges, and an edge."""
+        distances = np.where(self.ring, np.linalg.norm(self.p - self.p[:, None], axis=2), np.inf)
+        np.fill_diagonal(distances, 0)
+        for k in range(self.n):
+            distances = np.minimum(distances, distances[:, k, None] + distances[k])
+        t = np.minimum(distances / radius, 1)
+        smoothing = 2 * t**3 - 3 * t**2 + 1
+        before, edges = self.frames(smoothing, self.p, None)
+        return self.frames(smoothing, rough, edges)[0] @ before.transpose(0, 2, 1)
+
+    def test_unrotated_and_papers_edits(self):
+        size, unrotated = np.linalg.norm(np.ptp(self.p, axis=0)), np.tile(np.eye(3), (self.n, 1, 1))
+        for kind in ("umbrella", "cotangent", "mean_value"):
+            w = self.edge_weights(kind)
+            for order, membrane in ((1, 0), (1, 60), (2, 0), (3, 0)):
+                for weight, radius in ((1, 1.3), (10, 2.4)):
+                    settings = {"laplacian": kind, "order": order, "membrane": membrane, "handle_weight": weight, "anchor_weight": 2 * weight}
+                    rough = self.solved(w, unrotated, **settings)
+                    self.assert_error(edited(self.mesh, {**self.step, "method": "linear", **settings})[33:], rough, 1e-9 * size, settings)
+                    rotations = self.paper_rotations(rough, radius)
+                    self.assertGreater(max(degrees_between(r, np.eye(3)) for r in rotations), 12)
+                    found = edited(self.mesh, {**self.step, "method": "paper", "normal_radius": radius, **settings})[33:]
+                    self.assert_error(found, self.solved(w, rotations, **settings), 1e-9 * size, settings)
+
+    def test_unrotated_edit_where_the_normal_equations_are_ill_conditioned(self):
+        """QR does not square the condition number; without refinement errors are 5e-9 and 7e-6."""
+        self.mesh = tube(4, 41, 40, closed=False)
+        self.p, self.n = self.mesh[0], 164
+        w = np.zeros((164, 164))
+        for face in self.mesh[1]:
+            w[np.ix_(face, face)] = 1
+        np.fill_diagonal(w, 0)
+        self.anchors, self.handles = 1.0 * (self.p[:, 0] <= 1), 1.0 * (self.p[:, 0] == 40)
+        self.targets = self.p + self.handles[:, None] * 5 * Z
+        pull = step(handle(np.flatnonzero(self.handles), translation=5 * Z), region={"component": True, "held": np.flatnonzero(self.anchors).tolist()})
+        for order, bound in ((2, 1e-11), (3, 1e-8)):
+            expected = self.solved(w, np.tile(np.eye(3), (164, 1, 1)), order)
+            self.assert_error(edited(self.mesh, {**pull, "method": "linear", "order": order}), expected, 40 * bound, order)
 
 
 class Invariance(Edits):

@@ -7,7 +7,6 @@
 #include <random>
 #include <vector>
 
-#include "dense_reference.h"
 #include "lapedit/base/polar_decomposition.h"
 #include "lapedit/mesh/surface_measures.h"
 #include "shapes.h"
@@ -130,25 +129,6 @@ TEST(FrameRotations, FarFromWhatMovesIsExactlyTheIdentity) {
   }
   EXPECT_EQ(disturbed, 0);
   EXPECT_GT(rotated, 100);
-}
-
-TEST(FrameRotations, AreThoseOfTheDenseReference) {
-  const TriangleMesh mesh = wavy_field(16, 9);
-  Points after = mesh.vertices;
-  for (auto p : after.rowwise()) {  // a twist with some shear
-    const Affine twist = support::rigid(40 * p[0], Vector3::UnitX(), Vector3(0, 0.1 * p[0] * p[0], 0));
-    p = (twist * Vector3(p)).transpose().eval();
-  }
-  const Region region = support::whole_region(mesh, {{0}}, {});
-  for (const double radius : {1e-3, 0.7}) {  // only the vertex itself; a neighbourhood
-    const std::vector<Matrix3> found = rotations(mesh, after, radius),
-                               expected = reference::paper_rotations(region, mesh.vertices, after, radius);
-    for (int v = 0; v < region.size(); ++v) {
-      if (region.neighbours[v].size() > 2) {  // both edges of a single face are tangential to it
-        EXPECT_LT((found[v] - expected[v]).norm(), 1e-12) << "vertex " << v << ", r " << radius;
-      }
-    }
-  }
 }
 
 TEST(FrameRotations, PoseToRotateFromCanBeChanged) {

@@ -24,38 +24,6 @@ Region whole(const TriangleMesh& mesh, int handle = 0) {
   return support::whole_region(mesh, {{handle}}, {});
 }
 
-/// The kernel as a matrix, column by column.
-Eigen::MatrixXd dense(const SmoothingKernel& kernel, int n) {
-  Eigen::MatrixXd result(n, n);
-  Points in, out;
-  for (int first = 0; first < n; first += 3) {
-    in.setZero(n, 3);
-    for (int k = 0; k < 3 && first + k < n; ++k) {
-      in(first + k, k) = 1;
-    }
-    kernel.apply(in, out, scratch);
-    for (int k = 0; k < 3 && first + k < n; ++k) {
-      result.col(first + k) = out.col(k);
-    }
-  }
-  return result;
-}
-
-/// The same from its definition.
-Eigen::MatrixXd kernel_by_definition(const TriangleMesh& mesh, double r) {
-  const int n = static_cast<int>(mesh.vertices.rows());
-  Eigen::MatrixXd result(n, n);
-  for (int i = 0; i < n; ++i) {
-    const std::vector<double> distance = support::bellman_ford(mesh, {i});
-    for (int j = 0; j < n; ++j) {
-      const double t = distance[j];
-      result(i, j) = t < r ? 2 * t * t * t / (r * r * r) - 3 * t * t / (r * r) + 1 : 0;
-    }
-    result.row(i) /= result.row(i).sum();
-  }
-  return result;
-}
-
 TEST(VertexNormals, OppositeFacesCancelToZeroNotToNoise) {
   // Two faces of one edge folded onto each other, tilted so that nothing cancels bit for bit.
   TriangleMesh mesh;
@@ -89,18 +57,6 @@ INSTANTIATE_TEST_SUITE_P(Shapes, KernelOn,
                                            [] { return shapes::degenerate_grid(12, 9); },
                                            [] { return shapes::non_manifold_grid(12, 9); },
                                            [] { return shapes::two_pieces(1); }));
-
-TEST_P(KernelOn, IsThePapersPolynomialOfTheDistance) {
-  const TriangleMesh mesh = GetParam()();
-  const Region region = whole(mesh);
-  for (const double edges : {0.5, 2.0, 4.5}) {
-    const double r = edges * mean_edge(mesh);
-    const SmoothingKernel kernel(region, mesh.vertices, r, 1, kNeverSampled);
-    EXPECT_FALSE(kernel.sampled());
-    const Eigen::MatrixXd difference = dense(kernel, region.size()) - kernel_by_definition(mesh, r);
-    EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-12) << edges << " mean edges";
-  }
-}
 
 TEST_P(KernelOn, SampledKernelIsNearTheExactOne) {
   const TriangleMesh mesh = GetParam()();

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "dense_reference.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -47,25 +46,6 @@ TEST(SoftHandle, FallOffGoesSmoothlyFromOneToTheBoundary) {
   EXPECT_NEAR(weights[2], std::sqrt(0.3 / 6), 1e-15) << "half the exponent half way";
   EXPECT_NEAR(weights[5], 0.3 / 6, 1e-15) << "over the number of vertices";
   EXPECT_TRUE(std::is_sorted(weights.rbegin(), weights.rend()));
-}
-
-/// w_i = share_i w, by hand.
-TEST(SoftHandle, AgreesWithTheDenseSystem) {
-  const Disc disc(shapes::letter_field(24, 12), {2, 1, 0}, 0.3);
-  const EditSettings settings = EditSettings::of(EditMethod::Linear);
-  const Region region = disc.soft(0.9);
-  ASSERT_FALSE(region.handle_weight.empty());
-  const Affine up = support::shift({0.1, 0, 0.4});
-  Points targets(region.size(), 3);
-  for (int i = 0; i < region.size(); ++i) {
-    const Vector3 rest = disc.mesh.vertices.row(region.mesh_vertex[i]).transpose();
-    targets.row(i) = (region.classes[i] == VertexClass::Handle ? up * rest : rest).transpose();
-  }
-  support::Prepared solver(disc.mesh, region, settings);
-  EXPECT_LT(
-      support::error(solver.pose({up}), reference::solve(disc.mesh, region, settings, targets,
-                                                         std::vector<Matrix3>(region.size(), Matrix3::Identity()))),
-      1e-9);
 }
 
 /// Large handles by the factor, small ones by a correction; weights down to nearly nothing.
