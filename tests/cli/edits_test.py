@@ -409,6 +409,8 @@ class Invariance(Edits):
         at, way = mesh[0][40].tolist(), (0.8 * mesh[0][40]).tolist()
         by_point, by_number = (step(group, region={"radius": 1}) for group in ({"points": [at], "translation": way}, handle(40, translation=way)))
         self.assertTrue((edited(mesh, by_point, by_point) == edited(mesh, by_number, by_number)).all())
+        both = {"points": [at, (1.001 * mesh[0][40]).tolist()], "targets": [at, way]}
+        self.assertIn("are both nearest to vertex 40", " ".join(run(mesh, step(both))[1].split()))
 
     def test_by_position_another_mesh_gets_nearly_the_same_surface(self):
         """Four times coarser and finer: a disc within a radius, two groups in a set with weights, and targets."""
@@ -584,7 +586,8 @@ class Mirror(Edits):
             one = handle(disc, translation=by @ way if turned else way, rotation=turn((1, 2, 1), 25), scale=1.1)
             targets = {"vertices": disc.tolist(), "targets": (mesh[0][disc] + 0.1 * mesh[0][disc][:, [2, 0, 1]]).tolist()}
             across = handle(near((points, faces), (0.05, 0, 1), 0.25), translation=(0.1, 0.05, 0.25))
-            for group in (one, targets, across):
+            soft = {**one, "weights": (0.5 + 0.4 * points[disc, 1]).tolist()}
+            for group in (one, soft, targets, across):
                 for region, settings in (({"radius": 0.5}, {}), ({"radius": 0.5}, {"method": "paper"}),
                                          ({"vertices": near((points, faces), (0.6, 0, 0.8), 0.95).tolist()}, {})):
                     whole = step(group, region=region, mirror={"point": at.tolist(), "normal": (3 * normal).tolist()}, **settings)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The program laplacian-edit: options, exit codes, messages, pipes, and what it does where the system grants little."""
 import json
+import math
 import os
 import pathlib
 import pty
@@ -104,6 +105,25 @@ class Edits(ProgramTest):
         self.assertEqual((self.work / "out-0003.ply").read_bytes(), self.mesh.read_bytes())
         self.assertEqual([output["fraction"] for output in self.report(edit, "--fractions", "0:1:5")["outputs"]],
                          [0, 0.25, 0.5, 0.75, 1])
+
+    def test_steps_apply_in_order_each_to_the_stored_result_of_the_one_before(self):
+        for scalar in ("float", "double"):
+            self.mesh.write_bytes(files.ply_plain(DOME, scalar))
+            together = self.edited(self.write_edit(LIFT, LEAN))
+            self.assertNotEqual(self.edited(self.write_edit(LEAN, LIFT)), together)
+            self.mesh.write_bytes(self.edited(self.write_edit(LIFT)))
+            self.assertEqual(self.edited(self.write_edit(LEAN)), together)
+
+    def test_far_from_the_origin_single_precision_is_what_a_handle_is_off_by(self):
+        edit = self.write_edit({**LIFT, "handles": [{"vertices": str(CENTRE), "translation": [0.01, 0, 0]}]})
+        for scalar in ("float", "double"):
+            self.mesh.write_bytes(files.ply_plain(([(x + 1e5, y, z) for x, y, z in POINTS], FACES), scalar))
+            (step,) = self.report(edit)["outputs"][0]["steps"]
+            before, after = (MeshBytes("a.ply", path.read_bytes()).points[CENTRE] for path in (self.mesh, self.work / "out.ply"))
+            off = math.dist(after, (before[0] + 0.01, *before[1:]))
+            self.assertAlmostEqual(step["handle_residual"], off, delta=1e-8)
+            self.assertEqual(off > 1e-3, scalar == "float")  # numbers there are 1/128 apart
+            self.assertEqual("mesh keeps coordinates in steps of 0.0119: move the mesh to the origin" in (step["advice"] or ""), scalar == "float")
 
     def test_report(self):
         edit = self.write_edit(LIFT, LEAN)

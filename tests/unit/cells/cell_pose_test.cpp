@@ -119,20 +119,6 @@ TEST(CellPose, BentLimbTurnsFromNothingAtTheBoundaryToTheGroupsTurnAtTheHandle) 
   }
 }
 
-/// A component that moves rigidly needs no further rotation. Fails if rounding makes a rotation of it.
-TEST(CellPose, ComponentThatMovesRigidlyNeedsNoRotation) {
-  TriangleMesh mesh = shapes::tapered_arm(14, 40);
-  Turned t(mesh, support::component(), {where(mesh, 0, 1), where(mesh, 9, 10)}, settled());
-  for (const Affine& map :
-       {Affine::Identity(), shift(Vector3(1, 2, 3)), rigid(150, Vector3(1, 2, 3), Vector3(4, 0, 1))}) {
-    t.solve({map, map});
-    EXPECT_LT(t.cells().displacement().cwiseAbs().maxCoeff(), 1e-12);
-    for (const Matrix3& rotation : t.cells().rotations()) {
-      ASSERT_LT((rotation - Matrix3::Identity()).norm(), 1e-11);
-    }
-  }
-}
-
 // --- that they have settled ---
 
 /// Fails if the passes that are made are too few: an edit that has settled hardly changes in a pass.

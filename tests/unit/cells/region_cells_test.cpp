@@ -19,9 +19,9 @@ struct Divided {
   RegionCells cells;
 
   Divided(const TriangleMesh& mesh, const RegionSpec& spec, const std::vector<std::vector<int>>& handles,
-          int target = 0, int threads = 1)
+          int target = 0)
       : region(support::region_of(mesh, spec, handles)), rest(support::rows(mesh.vertices, region.mesh_vertex)) {
-    ThreadPool pool(threads);
+    ThreadPool pool(1);
     cells = make_cells(region, rest, target > 0 ? target : CellPose::wanted_cells(region.size()), pool);
   }
 
@@ -53,15 +53,6 @@ struct Divided {
   }
 };
 
-/// Of each vertex that is in the region its cell, of others -1.
-std::vector<int> cell_of_mesh_vertex(const Divided& divided, int vertices) {
-  std::vector<int> result(vertices, -1);
-  for (int i = 0; i < divided.region.size(); ++i) {
-    result[divided.region.mesh_vertex[i]] = divided.cells.of[i];
-  }
-  return result;
-}
-
 TriangleMesh shaken(TriangleMesh mesh) {
   std::mt19937 generator(5);
   const double far = 0.1 * support::mean_edge(mesh);
@@ -83,53 +74,12 @@ Divided elbow(double joint, int target) {
   return {mesh, spec, {support::vertices_where(mesh, [=](const Vector3& p) { return p[0] > 8 + joint / 2; })}, target};
 }
 
-/// With ties, too: of them coordinates decide.
-TEST(RegionCells, DoNotDependOnTheNumbersOfVertices) {
-  for (const TriangleMesh& mesh : {shapes::cylinder(24, 90), shapes::letter_field(90, 45), shapes::grid(40, 30)}) {
-    const auto n = static_cast<int>(mesh.vertices.rows());
-    const double width = mesh.vertices.col(0).maxCoeff();
-    const Vector3 middle = mesh.vertices.row(n / 2);
-    for (const double radius : {0.0, 0.1 * width}) {
-      std::vector<int> handle = support::around(mesh, middle, radius);
-      handle.push_back(n / 2);
-      std::sort(handle.begin(), handle.end());
-      handle.erase(std::unique(handle.begin(), handle.end()), handle.end());
-      const std::vector<int> expected = cell_of_mesh_vertex(Divided(mesh, support::within(0.4 * width), {handle}), n);
-      EXPECT_GT(*std::max_element(expected.begin(), expected.end()), 60);
-      for (const unsigned seed : {1U, 2U}) {
-        const std::vector<int> to = support::shuffled(n, seed);
-        const Divided other(support::renumbered(mesh, to, seed), support::within(0.4 * width),
-                            {support::renumbered(handle, to)}, 0, 3);
-        const std::vector<int> found = cell_of_mesh_vertex(other, n);
-        for (int v = 0; v < n; ++v) {
-          ASSERT_EQ(found[to[v]], expected[v]) << "vertex " << v << ", handle of " << handle.size();
-        }
-      }
-    }
-  }
-}
-
-/// Fails if the last bit decides which vertices make a cell: then a mesh in other units is edited to another shape.
+/// tests/cli/edits_test.py numbers, moves and scales meshes.
 TEST(RegionCells, DoNotDependOnTheOrderOfGroupsOfOneVertex) {
   const TriangleMesh mesh = shapes::grid(21, 21);
   const std::vector<int> one = {220}, other = {222};
   EXPECT_EQ(Divided(mesh, support::within(8), {one, other}).cells.of,
             Divided(mesh, support::within(8), {other, one}).cells.of);
-}
-
-TEST(RegionCells, AreTheSameOfAMeshThatIsTurnedOrScaled) {
-  for (const TriangleMesh& mesh :
-       {shaken(shapes::cylinder(16, 60)), shapes::letter_field(60, 30), shaken(shapes::grid(40, 30))}) {
-    const int handle = static_cast<int>(mesh.vertices.rows()) / 2;
-    const double radius = 0.4 * mesh.vertices.col(0).maxCoeff();
-    const Divided expected(mesh, support::within(radius), {{handle}});
-    EXPECT_GT(expected.cells.count(), 30);
-    for (const double scale : {1.0, 3.0, 1e-5}) {
-      const Affine view = Affine(support::rigid(77, Vector3(3, 1, -2), Vector3::Zero()) * Eigen::Scaling(scale));
-      const Divided seen(support::moved(view, mesh), support::within(scale * radius), {{handle}});
-      EXPECT_EQ(seen.cells.of, expected.cells.of) << scale;
-    }
-  }
 }
 
 TEST(RegionCells, ShortJointsBetweenRigidPartsGetMostOfThem) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "lapedit/deform/laplacian_system.h"
@@ -182,6 +183,26 @@ TEST(Conditioning, RefusalOfOrderOneAdvisesNoLowerOne) {
       "use a smaller region or larger weights.");
   held.settings.handle_weight = 1e-5;
   Prepared(held.mesh, held.region, held.settings);
+}
+
+/// A disc of a CAD program at the end of a tube. Its middle has the square of its neighbours in the matrix of order 2.
+TEST(Conditioning, FanTakesMemoryOfItsSizeOrIsRefused) {
+  constexpr int kAround = 4000;
+  TriangleMesh mesh = shapes::cylinder(kAround, 3);  // its first vertex is the middle of a disc, and its last one
+  mesh.vertices.col(0) *= 0.05;
+  std::vector<int> boundary(kAround + 1);
+  std::iota(boundary.begin(), boundary.end(), 2 * kAround + 1);
+  const Region region = support::whole_region(mesh, {{7}}, boundary);
+  for (const EditMethod method : {EditMethod::Default, EditMethod::Linear}) {
+    const auto system = Prepared(mesh, region, EditSettings::of(method)).system();
+    EXPECT_EQ(system->matrix->long_rows.size(), 2U);
+    EXPECT_LT(system->matrix->cholesky.factor_nonzeros(), 100U * mesh.vertices.rows()) << name(method);
+  }
+  EditSettings second = EditSettings::of(EditMethod::Linear);
+  second.order = 2;
+  const std::string refusal =
+      support::expect_refusal(ErrorCause::BadParameter, [&] { Prepared(mesh, region, second); });
+  support::expect_contains(refusal, "Vertex 0 has 4000 neighbours");
 }
 
 }  // namespace

@@ -47,12 +47,6 @@ Points applied(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
   return support::edited(mesh, apply_edit(mesh, edit, fraction, scalar));
 }
 
-/// Number of coordinates that differ.
-Eigen::Index differing(const Points& a, const Points& b) {
-  EXPECT_EQ(a.rows(), b.rows());
-  return (a.array() != b.array()).count();
-}
-
 TEST(Edit, CentroidIsTheMeanOfVerticesOfTheMesh) {
   Points points(4, 3);
   points << 0, 0, 0, 2, 4, 6, 4, 2, 0, 100, 100, 100;
@@ -63,25 +57,6 @@ TEST(Edit, CentroidIsTheMeanOfVerticesOfTheMesh) {
   support::expect_refusal(ErrorCause::NoHandle, [&] { centroid(points, {}); });
   support::expect_refusal(ErrorCause::BadIndex, [&] { centroid(points, {0, 4}); });
   support::expect_refusal(ErrorCause::BadIndex, [&] { centroid(points, {-1, 0}); });
-}
-
-/// As in an interactive session, which stores each result. Fails if a result in single precision is not rounded.
-TEST(Edit, StepsApplyInOrderEachToTheStoredResultOfTheOneBefore) {
-  const EditStep first = pull({kMiddle}, {0, 0, 3}), second = pull({kMiddle + 3}, {1, 0, 1}, 5);
-  for (const StoredScalar scalar : {StoredScalar::Float, StoredScalar::Double}) {
-    TriangleMesh mesh = test_mesh();
-    round_to(scalar, mesh.vertices);
-    TriangleMesh current = mesh;
-    for (const EditStep& step : {first, second}) {
-      current.vertices = applied(current, edit_of({step}));
-      EXPECT_NE(current.vertices, current.vertices.cast<float>().cast<double>().eval());
-      round_to(scalar, current.vertices);
-    }
-    const EditResult result = apply_edit(mesh, edit_of({first, second}), 1, scalar);
-    EXPECT_EQ(differing(support::edited(mesh, result), current.vertices), 0);
-    EXPECT_EQ(result.reports.size(), 2U);
-    EXPECT_GT(differing(applied(mesh, edit_of({second, first}), 1, scalar), current.vertices), 100);
-  }
 }
 
 const std::vector<double> kFractions = {0.25, 1, 0, 0.5};

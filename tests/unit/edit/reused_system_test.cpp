@@ -75,6 +75,37 @@ TEST(ReusedSystem, SmallHandlesFindTheFactorReady) {
   }
 }
 
+/// Each component is shared if all that it is made from is the same.
+TEST(ReusedSystem, OnlyWhatFitsIsShared) {
+  Job before, job;
+  before.settings = EditSettings::of(EditMethod::Paper);
+  job.set_handles({77});
+  const auto first = before.system();
+  const auto next = [&](auto change) {
+    job.settings = before.settings;
+    change(job.settings);
+    return job.system(first.get());
+  };
+  const auto heavier = next([](EditSettings& s) { s.anchor_weight = 20; });
+  EXPECT_EQ(heavier->powers.m, first->powers.m);
+  EXPECT_NE(heavier->matrix, first->matrix);
+  const auto wider = next([](EditSettings& s) { s.normal_radius = 0.7; });
+  EXPECT_EQ(wider->matrix, first->matrix);
+  EXPECT_EQ(wider->normal_radius, 0.7);
+  const auto cotangent = next([](EditSettings& s) { s.laplacian = LaplacianKind::Cotangent; });
+  EXPECT_NE(cotangent->powers.m, first->powers.m);
+  EXPECT_NE(cotangent->matrix, first->matrix);
+  const auto higher = next([](EditSettings& s) { s.order = 2; });
+  EXPECT_NE(higher->powers.m, higher->powers.first);
+  EXPECT_NE(higher->matrix, first->matrix);
+  const auto stretched = next([](EditSettings& s) { s.membrane = 100; });
+  EXPECT_NE(stretched->powers.m, first->powers.m);
+  EXPECT_NE(stretched->matrix, first->matrix);
+  const auto plain = next([](EditSettings& s) { s.method = EditMethod::Linear; });
+  EXPECT_EQ(plain->kernel, nullptr);
+  EXPECT_EQ(plain->matrix, first->matrix);
+}
+
 /// Fails if something is reused that does not fit, or is left from before.
 TEST(ReusedSystem, OtherHandlesComeOutTheSame) {
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {

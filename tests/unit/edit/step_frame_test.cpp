@@ -391,5 +391,52 @@ TEST(StepFrame, StrangeMapsAreRefusedOrFollowed) {
   }
 }
 
+/// A disc on a plane as the handle, whose weights fall off with the distance from its centre.
+std::pair<TriangleMesh, Region> soft_disc(double radius) {
+  const TriangleMesh mesh = shapes::letter_field(160, 80, 0);
+  const Adjacency adjacency = support::adjacency_of(mesh);
+  const std::vector<int> disc = around(mesh, {2, 1, 0}, radius);
+  std::vector<double> distances;
+  for (const int v : disc) {
+    distances.push_back((mesh.vertices.row(v) - Eigen::RowVector3d(2, 1, 0)).norm());
+  }
+  return {mesh, build_region(mesh, adjacency, support::within(0.8), {disc}, 0, {falloff_weights(distances, radius)})};
+}
+
+TEST(SoftHandle, FallOffGoesSmoothlyFromOneToTheBoundary) {
+  const std::vector<double> distances{0, 0.25, 0.5, 0.75, 0.9, 1};
+  const std::vector<double> weights = falloff_weights(distances, 1);
+  EXPECT_EQ(weights[0], 1);
+  EXPECT_NEAR(weights[2], std::sqrt(0.3 / 6), 1e-15) << "half the exponent half way";
+  EXPECT_NEAR(weights[5], 0.3 / 6, 1e-15) << "over the number of vertices";
+  EXPECT_TRUE(std::is_sorted(weights.rbegin(), weights.rend()));
+}
+
+/// Large handles by the factor, small ones by a correction; weights down to nearly nothing.
+TEST(SoftHandle, FramesFollowTheirWeights) {
+  for (const double radius : {0.16, 0.03}) {
+    const auto [mesh, region] = soft_disc(radius);
+    EXPECT_EQ(region.count(VertexClass::Handle) <= 8, radius < 0.1);
+    for (const double weight : {30.0, 1.0, 0.1, 0.003, 1e-6}) {
+      for (const EditMethod method : {EditMethod::Linear, EditMethod::Default}) {
+        EditSettings settings = with(method, EditSettings().laplacian);
+        settings.handle_weight = weight;
+        StepSolver solver(mesh, {std::make_shared<const Region>(region)}, settings);
+        const Maps maps{rigid(30, {0, 1, 1}, {0, 0.1, 0.2}, {2, 1, 0})};
+        Points cells, frame;
+        solver.make_cells();
+        solver.frame(maps, cells);
+        solver.prepare(mesh);
+        const Points exact = solver.pose(maps);
+        EXPECT_LT((cells - exact).rowwise().norm().maxCoeff(), 0.05) << weight << ", " << name(method);
+        solver.frame(maps, frame);
+        while (solver.refine(frame)) {
+        }
+        EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 0.004) << weight << ", " << name(method);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lapedit::step_frame_test
