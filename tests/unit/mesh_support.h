@@ -6,8 +6,10 @@
 
 #include "base_support.h"
 #include "lapedit/mesh/adjacency.h"
+#include "lapedit/mesh/geodesic.h"
+#include "shapes.h"
 
-/// A tube, renumbering and adjacency for tests with meshes.
+/// Meshes, renumbering, adjacency and distances for tests with meshes.
 namespace lapedit::support {
 
 /// The same surface: vertex v gets the number new_number[v], faces another order and another first corner.
@@ -32,8 +34,83 @@ inline std::vector<int> renumbered(std::vector<int> vertices, const std::vector<
   return vertices;
 }
 
+/// @param coordinates  three for each vertex; @param corners  three for each face
+inline TriangleMesh mesh_of(const std::vector<double>& coordinates, const std::vector<int>& corners) {
+  return {Eigen::Map<const Points>(coordinates.data(), static_cast<Eigen::Index>(coordinates.size() / 3), 3),
+          Eigen::Map<const Faces>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3)};
+}
+
 inline Adjacency adjacency_of(const TriangleMesh& mesh) {
   return build_adjacency(static_cast<int>(mesh.vertices.rows()), mesh.faces);
+}
+
+/// Distances on a surface by trying all edges and all lines of SurfaceLines again and again (Bellman and Ford), without
+/// what a search skips.
+/// @param with_lines  or along edges alone
+inline std::vector<double> plain_distances(const TriangleMesh& mesh, const std::vector<int>& seeds,
+                                           bool with_lines = true) {
+  struct Line {
+    int from, to;
+    double length;
+  };
+  const int n = static_cast<int>(mesh.vertices.rows());
+  const Adjacency adjacency = build_adjacency(n, mesh.faces);
+  const SurfaceLines surface(mesh.vertices, mesh.faces, adjacency.faces);
+  std::vector<Line> lines;
+  for (int v = 0; v < n; ++v) {
+    for (const int w : adjacency.neighbours[v]) {
+      lines.push_back({v, w, (mesh.vertices.row(v) - mesh.vertices.row(w)).norm()});
+    }
+    if (!with_lines) {
+      continue;
+    }
+    surface.from(
+        v, 0, kUnreached, nullptr, [](int) { return kUnreached; },
+        [&](int end, double length, bool) {
+          lines.push_back({v, end, length});
+        });
+  }
+  std::vector<double> distance(n, kUnreached);
+  for (const int seed : seeds) {
+    distance[seed] = 0;
+  }
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto& [from, to, length] : lines) {
+      if (distance[from] + length < distance[to]) {
+        distance[to] = distance[from] + length;
+        changed = true;
+      }
+    }
+  }
+  return distance;
+}
+
+/// Expects that a search finds what trying all edges, and lines, finds.
+inline void expect_plain_distances(const TriangleMesh& mesh, bool with_lines) {
+  const Adjacency adjacency = adjacency_of(mesh);
+  GeodesicSearch search(with_lines ? PathGraph(mesh, adjacency) : PathGraph(adjacency.neighbours, mesh.vertices));
+  for (const std::vector<int>& seeds : {std::vector<int>{0}, {3, 40, 41}, {17}}) {
+    search.run(seeds, kUnreached);
+    const std::vector<double> expected = plain_distances(mesh, seeds, with_lines);
+    for (int v = 0; v < mesh.vertices.rows(); ++v) {
+      const bool is_reached = expected[v] < kUnreached;
+      ASSERT_NEAR(is_reached ? search.distance(v) : 0, is_reached ? expected[v] : 0, 1e-12 * (1 + expected[v]));
+      ASSERT_EQ(search.distance(v) < kUnreached, is_reached) << "vertex " << v;
+    }
+  }
+}
+
+/// Meshes of all kinds.
+inline std::vector<TriangleMesh> all_shapes() {
+  return {shapes::letter_field(24, 16),
+          shapes::icosphere(2),
+          shapes::bar(7, 3, 2),
+          shapes::tapered_arm(12, 30),
+          shapes::two_pieces(2),
+          shapes::degenerate_grid(12, 9),
+          shapes::non_manifold_grid(12, 9),
+          shapes::inconsistent_grid(14, 11)};
 }
 
 }  // namespace lapedit::support

@@ -146,26 +146,6 @@ inline int vertex_at(const TriangleMesh& mesh, const Vector3& point) {
   return static_cast<int>(nearest);
 }
 
-/// Shortest edge distances from some vertices by relaxing all edges until nothing changes: slow and plain.
-inline std::vector<double> bellman_ford(const TriangleMesh& mesh, const std::vector<int>& seeds) {
-  std::vector<double> distance(mesh.vertices.rows(), kUnreached);
-  for (const int seed : seeds) distance[seed] = 0;
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-      for (int k = 0; k < 6; ++k) {
-        const int from = mesh.faces(f, k % 3), to = mesh.faces(f, (k + 1 + k / 3) % 3);
-        const double through = distance[from] + (mesh.vertices.row(to) - mesh.vertices.row(from)).norm();
-        if (through < distance[to]) {
-          distance[to] = through;
-          changed = true;
-        }
-      }
-    }
-  }
-  return distance;
-}
-
 /// A region of all vertices of a mesh, put together without build_region().
 /// @param anchors  all of the same weight 1
 inline Region whole_region(const TriangleMesh& mesh, const std::vector<std::vector<int>>& handles,

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "lapedit/deform/frame_rotations.h"
-#include "plain_distances.h"
 #include "shapes.h"
 #include "support.h"
 

@@ -9,7 +9,6 @@
 #include <tuple>
 #include <vector>
 
-#include "plain_distances.h"
 #include "shapes.h"
 #include "support.h"
 

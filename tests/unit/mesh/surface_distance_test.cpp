@@ -8,9 +8,6 @@
 #include <vector>
 
 #include "lapedit/mesh/geodesic.h"
-#include "lapedit/mesh/region.h"
-#include "lapedit/mesh/vertex_set.h"
-#include "plain_distances.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -152,36 +149,18 @@ TriangleMesh with_copies(const TriangleMesh& mesh, int copies, Eigen::Index face
   return {mesh.vertices, mesh.faces.topRows(faces).replicate(copies, 1)};
 }
 
-class SurfaceDistanceOn : public ::testing::TestWithParam<TriangleMesh (*)()> {};
-INSTANTIATE_TEST_SUITE_P(
-    Shapes, SurfaceDistanceOn,
-    ::testing::Values([] { return shapes::letter_field(24, 16); }, [] { return shapes::icosphere(3); },
-                      [] { return shapes::bar(7, 3, 2); }, [] { return shapes::tapered_arm(12, 30); },
-                      [] { return shapes::degenerate_grid(12, 9); }, [] { return shapes::non_manifold_grid(12, 9); },
-                      [] { return shapes::two_pieces(2); }, [] { return shapes::inconsistent_grid(14, 11); },
-                      [] { return books(2); }, [] { return books(3); },
-                      [] { return plane_grid(uneven(15, 1.5, 4), even(15, 1), Diagonals::Alternating, 0.4); }));
-
-/// The search skips most lines; none of those may have been part of a shortest path.
-TEST_P(SurfaceDistanceOn, EqualsTryingAllLines) {
-  const TriangleMesh mesh = GetParam()();
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  GeodesicSearch search({mesh, adjacency});
-  for (const std::vector<int>& seeds : {std::vector<int>{0}, {3, 40, 41}, {17}}) {
-    search.run(seeds, kUnreached);
-    const std::vector<double> expected = support::plain_distances(mesh, seeds);
-    for (int v = 0; v < mesh.vertices.rows(); ++v) {
-      if (expected[v] < kUnreached) {
-        ASSERT_NEAR(search.distance(v), expected[v], kRounding * (1 + expected[v])) << "vertex " << v;
-      } else {
-        ASSERT_EQ(search.distance(v), kUnreached) << "vertex " << v;
-      }
-    }
+TEST(SurfaceDistance, EqualsTryingAllLinesWhereFacesAreUnevenOrShareEdges) {
+  for (const TriangleMesh& mesh :
+       {books(2), books(3), plane_grid(uneven(15, 1.5, 4), even(15, 1), Diagonals::Alternating, 0.4)}) {
+    support::expect_plain_distances(mesh, true);
   }
 }
 
-TEST_P(SurfaceDistanceOn, FieldHasTheBitsOfTheSearch) {
-  const TriangleMesh mesh = shapes::together(GetParam()(), shapes::letter_field(90, 70), Vector3(0, 0, 9));
+TEST(SurfaceDistance, FieldHasTheBitsOfTheSearch) {
+  TriangleMesh mesh = shapes::together(books(3), shapes::letter_field(90, 70), Vector3(0, 0, 9));
+  for (const TriangleMesh& shape : support::all_shapes()) {
+    mesh = shapes::together(mesh, shape, Vector3(0, 0, 9));
+  }
   const int n = static_cast<int>(mesh.vertices.rows());
   const Adjacency adjacency = support::adjacency_of(mesh);
   std::vector<int> many;
@@ -213,20 +192,6 @@ TEST_P(SurfaceDistanceOn, FieldHasTheBitsOfTheSearch) {
   }
 }
 
-/// Three equilateral triangles at one edge, and faces that name a corner twice, which are none.
-TEST(SurfaceDistance, LinesCrossAnEdgeOfThreeFaces) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(5, 3);
-  const double height = std::sqrt(0.75);
-  mesh.vertices << 0, 0, 0, 1, 0, 0, 0.5, height, 0, 0.5, 0, height, 0.5, -height, 0;
-  mesh.faces.resize(5, 3);
-  mesh.faces << 0, 1, 2, 1, 0, 3, 0, 1, 4, 0, 0, 1, 3, 2, 2;
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  GeodesicSearch search({mesh, adjacency});
-  search.run({2}, kUnreached);
-  EXPECT_NEAR(search.distance(4), 2 * height, kRounding);
-}
-
 TEST(SurfaceDistance, LinesGrowWithTheFacesWhereManyShareEdges) {
   const auto lines_per_face = [](TriangleMesh mesh, const TriangleMesh& others) {
     mesh.faces.conservativeResize(mesh.faces.rows() + others.faces.rows(), 3);
@@ -249,36 +214,6 @@ TEST(SurfaceDistance, LinesGrowWithTheFacesWhereManyShareEdges) {
     EXPECT_LT(lines_per_face(page, with_copies(page, copies, page.faces.rows())), 2 * usual) << copies << " copies";
   }
   EXPECT_LT(lines_per_face(page, with_copies(page, 300, 1)), 2 * usual) << "one face listed 301 times";
-}
-
-/// Two triangles with a long common edge: the vertices opposite to each other are near, the edge's ends are far.
-TriangleMesh bow_tie() {
-  TriangleMesh mesh;
-  mesh.vertices.resize(5, 3);
-  mesh.vertices << 0, 0, 0, 0.5, 2, 0, 0.5, -2, 0, 1, 0, 0, -0.4, 0, 0;
-  mesh.faces.resize(4, 3);
-  mesh.faces << 0, 2, 1, 1, 2, 3, 0, 1, 4, 0, 4, 2;
-  return mesh;
-}
-
-TEST(SurfaceDistance, VertexWithoutNeighboursInTheRadiusIsNotReached) {
-  const TriangleMesh mesh = bow_tie();
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  EXPECT_EQ(vertices_within(mesh, adjacency, 0, 1.2), (std::vector<int>{0, 4}));
-  EXPECT_EQ(support::region_of(mesh, support::within(1.2), {{0}}).mesh_vertex, (std::vector<int>{0, 4}));
-  // With a neighbour it belongs to it, at its distance across the edge.
-  const Region region = support::region_of(mesh, support::within(2.1), {{0}});
-  EXPECT_EQ(region.mesh_vertex, (std::vector<int>{0, 1, 2, 3, 4}));
-  EXPECT_EQ(region.distance[3], 1);
-}
-
-TEST(SurfaceDistance, LinesKeepToAllowedVertices) {
-  const TriangleMesh mesh = bow_tie();
-  const Adjacency adjacency = support::adjacency_of(mesh);
-  const std::vector<char> allowed{1, 0, 1, 1, 1};
-  GeodesicSearch search({mesh, adjacency});
-  search.run({0}, kUnreached, &allowed);
-  EXPECT_DOUBLE_EQ(search.distance(3), 2 * std::hypot(0.5, 2));
 }
 
 /// The fan around a vertex of many faces is not searched again for each of its edges.
