@@ -761,6 +761,66 @@ class SameSurface(Edits):
                 self.assertLess(np.abs(np.array(radii) - np.mean(radii)).max() / np.mean(radii), bound, (laplacian, fraction))
 
 
+class Detail(Edits):
+    """The key `detail` removes or exaggerates dents and bumps, with and without a handle."""
+    DEPTH = 0.3
+
+    def setUp(self):
+        """An uneven plate with a dent in its middle."""
+        points, faces = grid(25, 25)
+        points = points / 12 - (1, 1, 0)
+        inner = (np.abs(points[:, :2]) < 0.99).all(1)
+        points[inner, :2] += np.random.default_rng(7).uniform(-0.024, 0.024, (inner.sum(), 2))
+        points[:, 2] = -self.DEPTH * np.exp(-(points[:, :2] ** 2).sum(1) / 0.0625)
+        self.points, self.mesh, self.inside = points, (points, faces), np.hypot(*points[:, :2].T) < 0.85
+        self.region = {"vertices": np.flatnonzero(self.inside).tolist()}
+
+    def changed(self, detail, mesh=None, fractions="1", **keys):
+        return edited(mesh or self.mesh, {"region": self.region, "detail": detail, **keys}, fractions=fractions)
+
+    def test_a_dent_becomes_flat_and_a_bump_on_a_sphere_round(self):
+        for method in METHODS:
+            flat = self.changed(0, method=method)
+            self.assertLess(abs(flat[:, 2]).max(), 0.01 * self.DEPTH, method)
+            self.assertTrue((flat[~self.inside] == self.points[~self.inside]).all())
+        points, faces = ball(4)
+        height = points[:, 2]
+        bump = points * (1 + 0.1 * np.exp(-(np.arccos(np.clip(height, -1, 1)) / 0.15) ** 2))[:, None]
+        after = edited((bump, faces), {"region": {"vertices": np.flatnonzero(height > math.cos(0.6)).tolist()}, "detail": 0})
+        self.assertLess(abs(np.linalg.norm(after, axis=1) - 1).max(), 0.02)
+
+    def test_the_change_is_linear_in_the_number_and_in_the_fraction(self):
+        change = self.changed(0) - self.points
+        for detail in (0.5, 1.25, 2):
+            self.assert_error(self.changed(detail), self.points + (1 - detail) * change, 1e-13)
+        self.assert_error(self.changed(0, fractions="0.25"), self.points + 0.25 * change, 1e-13)
+        pull = [{"points": [[0.3, 0.2, 0]], "translation": [0, 0.1, 0.3]}]
+        self.assertTrue((self.changed(1, handles=pull) == edited(self.mesh, {"region": self.region, "handles": pull})).all())
+
+    def test_handles_reach_their_targets(self):
+        vertex, way = nearest(self.mesh, (0.2, 0, -0.2)), np.array((0, 0.1, 0.4))
+        for detail in (0, 1, 2):
+            after = self.changed(detail, handles=[handle(vertex, translation=way)])
+            self.assertLess(np.linalg.norm(after[vertex] - self.points[vertex] - way), 0.005 * np.linalg.norm(way))
+        self.assertLess(np.linalg.norm(self.changed(0, handles=[handle(vertex)])[vertex] - self.points[vertex]), 0.005 * self.DEPTH)
+
+    def test_a_rotated_scaled_mirrored_mesh_gives_the_same(self):
+        flat, turned = self.changed(0), rotation((1, 2, 3), 50)
+        for linear in (turned, 1000 * turned, np.diag([1, 1, -1])):
+            faces = self.mesh[1] if np.linalg.det(linear) > 0 else self.mesh[1][:, ::-1]
+            self.assert_error(self.changed(0, (self.points @ linear.T, faces)), flat @ linear.T, 1e-8 * abs(linear).max())
+        points = self.points + 3 * X
+        both = together((points, self.mesh[1]), (points * (-1, 1, 1), self.mesh[1][:, ::-1]), 0)
+        after = self.changed(0, both, mirror={"point": [0, 0, 0], "normal": [1, 0, 0]})
+        self.assertLess(abs(after[:, 2]).max(), 0.01 * self.DEPTH)
+
+    def test_refusals_say_what_to_do(self):
+        for change, sentence in (({"region": {"radius": 0.8}}, "vertices, within or selected"), ({"region": {"component": True}}, "vertices, within or selected"),
+                                 ({"region": {"vertices": f"0-{len(self.points) - 1}"}}, "smaller region"), ({"detail": 2.5}, "from 0 to 2"),
+                                 ({"region": {"component": True}, "handles": [handle(0)]}, "vertices that stay")):
+            self.assertIn(sentence, " ".join(run(self.mesh, {"region": self.region, "detail": 0, **change})[1].split()))
+
+
 class Shape(Edits):
     """What the report says of a shape, and shapes of strange regions."""
 

@@ -11,8 +11,8 @@ set -eu
 [ $# -eq 4 ] || { sed -n 's/^# usage: //p' "$0" >&2; exit 2; }
 here=$(cd "$(dirname "$0")" && pwd)
 case $1 in
-oldest) python=$(head -n 1 "$2/pythons") packages="numpy<2 pymeshlab==2022.2.*" tests="package detail pymeshlab" ;;
-newest) python=$(tail -n 1 "$2/pythons") packages="numpy>=2 pymeshlab==2025.7.* pyvista imageio ipctk==1.6.0" tests="package detail pymeshlab page contact" ;;
+oldest) python=$(head -n 1 "$2/pythons") packages="numpy<2 pymeshlab==2022.2.*" tests="package pymeshlab" ;;
+newest) python=$(tail -n 1 "$2/pythons") packages="numpy>=2 pymeshlab==2025.7.* pyvista imageio ipctk==1.6.0" tests="package pymeshlab page contact" ;;
 *) sed -n 's/^# usage: //p' "$0" >&2 && exit 2 ;;
 esac
 if [ "$1" = oldest ] && "$python" -c 'import sys; sys.exit(sys.version_info < (3, 12))'; then

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iostream>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -435,6 +437,70 @@ TEST(SoftHandle, FramesFollowTheirWeights) {
         EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), 0.004) << weight << ", " << name(method);
       }
     }
+  }
+}
+
+/// Cells alone, with every kind of handle, order, operator and rotation on some thousand vertices. The bounds of the
+/// RMS and the largest error, over the handle's displacement, are what is seen, and a half on top.
+struct CellCase {
+  Scene scene;
+  EditSettings settings;
+  double rms, largest;
+};
+
+std::vector<CellCase> cell_cases() {
+  const TriangleMesh letters = shapes::letter_field(254, 127), grid = shapes::bumpy_grid(), ball = shapes::icosphere(5);
+  const Vector3 middle(2, 1, 0), left(1.4, 1, 0), right(2.6, 1, 0);
+  const auto of = [](LaplacianKind kind, EditMethod method) {
+    EditSettings settings = EditSettings::of(method);
+    settings.laplacian = kind;
+    return settings;
+  };
+  const auto umbrella = LaplacianKind::Umbrella, cotangent = LaplacianKind::Cotangent;
+  const auto paper = EditMethod::Paper, linear = EditMethod::Linear;
+  std::vector<int> line(21);
+  std::iota(line.begin(), line.end(), 60 * 50 + 20);
+  const auto groups = [&](double radius) {
+    return scene("two groups", letters, radius, {around(letters, left, 0.12), around(letters, right, 0.12)},
+                 {shift({0, 0, 0.4}), rigid(25, {1, 0, 0}, {0, 0, -0.2}, right)});
+  };
+  const Scene vertex = scene("vertex", letters, 0.9, {{support::vertex_at(letters, middle)}}, {shift({0.2, 0.1, 0.5})}),
+              turned = scene("turned", letters, 0.8, {around(letters, middle, 0.15)},
+                             {rigid(30, {0, 1, 0}, {0, 0.1, 0.3}, middle)}),
+              curve = scene("curve", grid, 25, {line}, {shift({0, 0, 8})}),
+              pole = scene("ball", ball, 1.5, {{support::vertex_at(ball, {0, 0, 1})}}, {shift({0.2, 0, 0.5})});
+  return {{vertex, of(umbrella, paper), 0.14, 0.33},
+          {vertex, of(umbrella, linear), 0.09, 0.32},
+          {vertex, {}, 0.09, 0.25},
+          {turned, of(umbrella, paper), 0.08, 0.28},
+          {turned, {}, 0.08, 0.28},
+          {groups(0.55), of(cotangent, paper), 0.066, 0.19},
+          {groups(0.6), {}, 0.08, 0.38},
+          {curve, of(umbrella, paper), 0.13, 0.33},
+          {curve, {}, 0.036, 0.125},
+          {pole, of(cotangent, paper), 0.063, 0.16},
+          {pole, {}, 0.05, 0.106}};
+}
+
+TEST(CellFrame, IsNearTheFullPoseWithHandleAndBoundaryAtTheirTargets) {
+  for (const auto& [s, settings, largest_rms, largest_error] : cell_cases()) {
+    const Points full = support::Prepared(s.mesh, s.region, settings).pose(s.maps);
+    const Points pose = Dragged(s, settings, {}, false).first(s.maps);
+    const Points rest = support::rows(s.mesh.vertices, s.region.mesh_vertex);
+    const double way = path_of(s, s.maps), largest = (pose - full).rowwise().norm().maxCoeff();
+    std::cout << s.name << ": " << s.region.size() << " vertices, RMS " << 100 * rms(pose, full) / way << " %, largest "
+              << 100 * largest / way << " % of the handle's displacement\n";
+    EXPECT_LT(rms(pose, full), largest_rms * way) << s.name;
+    EXPECT_LT(largest, largest_error * way) << s.name;
+    for (int i = 0; i < s.region.size(); ++i) {
+      if (s.region.classes[i] == VertexClass::Handle) {
+        const Vector3 wanted = s.maps[s.region.group[i]].map * Vector3(rest.row(i));
+        EXPECT_LT((pose.row(i).transpose() - wanted).norm(), 1e-3 * way) << s.name;
+      } else if (s.region.anchor_depth[i] == 1) {
+        EXPECT_EQ(pose.row(i), rest.row(i)) << s.name;
+      }
+    }
+    EXPECT_GT(std::count(s.region.anchor_depth.begin(), s.region.anchor_depth.end(), 1), 0) << s.name;
   }
 }
 

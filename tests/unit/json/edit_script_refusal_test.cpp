@@ -2,44 +2,24 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <new>
 #include <string>
 #include <utility>
 
+#include "allocation_watch.h"
 #include "lapedit/base/error.h"
 #include "lapedit/json/edit_script.h"
 #include "script_support.h"
-
-namespace {
-std::atomic<std::size_t> largest_allocation{0};
-}
-
-// What a hostile text makes the reader ask for. Not inlined: GCC would see free() for what came from new.
-__attribute__((noinline)) void* operator new(std::size_t size) {
-  largest_allocation = std::max(largest_allocation.load(), size);
-  if (void* memory = std::malloc(size)) {
-    return memory;
-  }
-  throw std::bad_alloc();
-}
-__attribute__((noinline)) void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-__attribute__((noinline)) void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace lapedit::edit_script_refusal_test {
 namespace {
 
 /// JSON with ' for ".
-std::string js(std::string text) {
-  std::replace(text.begin(), text.end(), '\'', '"');
-  return text;
+std::string js(const std::string& text) {
+  std::string json = text;
+  std::replace(json.begin(), json.end(), '\'', '"');
+  return json;
 }
 
 std::string with_steps(const std::string& steps, const std::string& mesh = "") {
@@ -90,102 +70,110 @@ TEST(EditScriptRefusal, UnknownKeysAreRefusedByNameAndPlace) {
   EXPECT_LT(strange.size(), 300U);
 }
 
-TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
-  expect_contains(refusal("[]"), "it has to be a JSON object");
-  expect_contains(refusal(js("{'laplacian_edit': 1}")), "steps: expected a list of one or more steps, but the key");
-  expect_contains(refusal(js("{'laplacian_edit': 1, 'steps': {}}")), "list of one or more steps, found an object.");
-  expect_contains(refusal(with_steps("")), "steps: expected a list of one or more steps, found a list of length 0");
-  expect_contains(refusal(with_steps("null")), "steps[0]: expected an object, found null.");
-  expect_contains(refusal(with_steps("{}")), "steps[0].region: expected an object, but the key is missing.");
-  expect_contains(refusal(with_region("3")), "steps[0].region: expected an object, found the number 3.");
-  expect_contains(refusal(with_steps("{'region': {'radius': 1}}")), "steps[0].handles: expected a list of one or more");
-  expect_contains(refusal(with_handle("")), "expected a list of one or more handle groups, found a list of length 0.");
-  expect_contains(refusal(with_handle("7")), "steps[0].handles[0]: expected an object, found the number 7.");
+/// Each JSON, and a part of its refusal.
+using Cases = std::vector<std::pair<std::string, std::string>>;
 
-  const std::string exactly_one =
-      "steps[0].region: needs exactly one of the keys radius, vertices, component, within "
-      "and selected.";
+void expect_refusals(const std::string& before, const Cases& cases, std::string (*made)(const std::string&)) {
+  for (const auto& [json, expected] : cases) {
+    expect_contains(refusal(made(json)), before + expected);
+  }
+}
+
+TEST(EditScriptRefusal, WrongTypesAreRefusedWithWhatWasExpected) {
+  const std::string number = "a whole number from 0 to 2147483647, found",
+                    some = "steps: expected a list of one or more ";
+  const auto steps = [](const std::string& text) { return with_steps(text); };
+  const auto mesh = [](const std::string& text) { return with_mesh(text); };
+  expect_refusals("",
+                  {{"[]", "it has to be a JSON object"},
+                   {"{'laplacian_edit': 1}", some + "steps, but the key"},
+                   {"{'laplacian_edit': 1, 'steps': {}}", some + "steps, found an object."}},
+                  js);
+  expect_refusals("steps",
+                  {{"", ": expected a list of one or more steps, found a list of length 0"},
+                   {"null", "[0]: expected an object, found null."},
+                   {"{}", "[0].region: expected an object, but the key is missing."},
+                   {"{'region': {'radius': 1}}", "[0].handles: expected a list of one or more"}},
+                  steps);
   for (const char* region : {"{}", "{'padding': 0.1}", "{'radius': 1, 'vertices': '1'}",
                              "{'radius': 1, 'component': true}", "{'vertices': '1', 'component': true}"}) {
-    EXPECT_EQ(refusal(with_region(region)), exactly_one);
+    EXPECT_EQ(refusal(with_region(region)),
+              "steps[0].region: needs exactly one of the keys radius, vertices, component, within and selected.");
   }
-  expect_contains(refusal(with_region("{'within': {'point': [0, 0, 0], 'radius': 1}, 'anchors': {}}")),
-                  "anchors: kept anchors go with the key vertices only.");
-  expect_contains(refusal(with_mesh("{'positions': {'vertices': '3,1', 'points': [[0, 0, 0], [1, 0, 0]]}}")),
-                  "mesh.positions.vertices: vertex 1 comes after 3; put them in ascending order, each once.");
-  expect_contains(refusal(with_mesh("{'positions': {'vertices': '1,3', 'points': [[0, 0, 0]]}}")),
-                  "mesh.positions.vertices: lists 2 vertices, but mesh.positions has points for 1; give one for each.");
-  expect_contains(refusal(with_region("{'component': false}")), "region.component: expected true, found false.");
-  expect_contains(refusal(with_setting("'weld': false")), "steps[0].weld: can no longer be switched off, since");
-  EXPECT_EQ(refusal(with_setting("'weld': true")), "") << "of version 1.0";
-  expect_contains(refusal(with_region("{'component': 1}")), "region.component: expected true, found the number 1.");
-  expect_contains(refusal(with_region("{'radius': '20 %'}")), "radius: expected a number, found the text \"20 %\".");
-  expect_contains(refusal(with_region("{'radius': 1, 'padding': []}")), "region.padding: expected a number, found a");
-
-  const std::pair<const char*, const char*> handles[] = {
-      {"{'points': [0, 0, 1]}", "points[0]: expected a list of 3 numbers, found the number 0."},
-      {"{'within': {'point': [0, 0, 0]}}", "within.radius: expected a number, but the key is missing."},
-      {"{'selected': true, 'weights': [1]}", "weights: goes with vertices, points or landmarks only."},
-      {"{'points': [[0, 0, 0]], 'weights': [1, 1]}", "weights: holds 2 numbers for 1 points; give one for each"},
-      {"{'points': [[0, 0, 0], [1, 0, 0]], 'targets': [[0, 0, 1]]}",
-       "targets: holds 1 targets for 2 points; give one for each"},
-      {"{'selected': true, 'targets': [[0, 0, 1]]}", "targets: goes with points or vertices only"},
-      {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "landmarks: \"no.pp\" is not the path of a file."},
-      {"{'landmarks': {'from': 'no.pp'}}", "landmarks.to: expected a text, but the key is missing."},
-      {"{'vertices': true}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found true."},
-      {"{'selected': 1}", "selected: expected true, found the number 1."},
-      {"{'vertices': []}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found a list of length 0."},
-      {"{'vertices': [1, 2.5]}", "vertices[1]: expected a whole number from 0 to 2147483647, found the number 2.5."},
-      {"{'vertices': [1, '2;3']}", "vertices[1]: \"2;3\" is no vertex number or range"},
-      {"{'vertices': '1', 'translation': 1}", "translation: expected a list of 3 numbers, found the number 1."},
-      {"{'vertices': '1', 'rotation': 30}", "rotation: expected an object, found the number 30."},
-      {"{'vertices': '1', 'rotation': {'center': null}}", "rotation.center: expected a list of 3 numbers, found null."},
-      {"{'vertices': '1-2', 'targets': [[0, 0, 1], [1, 2]]}", "targets[1]: expected a list of 3 numbers, found a list"},
-      {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0]}", "matrix: expected a list of 16 numbers, found a"},
-      {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]}", "matrix: the last row"},
-      {"{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,1,0,1]}", "matrix: the last row"},
-  };
-  for (const auto& [handle, expected] : handles) {
-    expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0].") + expected);
-  }
-  const std::pair<const char*, const char*> whole[] = {
-      {"{}", "needs exactly one of the keys vertices, points, within, selected and landmarks."},
-      {"{'vertices': '1', 'points': [[0, 0, 0]]}", "needs exactly one of the keys vertices, points,"},
-  };
-  for (const auto& [handle, expected] : whole) {
-    expect_contains(refusal(with_handle(handle)), std::string("steps[0].handles[0]: ") + expected);
-  }
-  for (const char* other : {"'scale': 1", "'rotation': {}", "'translation': [0, 0, 0]"}) {
-    const std::string matrix = "{'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], ";
-    expect_contains(refusal(with_handle(matrix + other + "}")), "steps[0].handles[0]: has both matrix and ");
-  }
+  expect_refusals("steps[0].region",
+                  {{"3", ": expected an object, found the number 3."},
+                   {"{'within': {'point': [0, 0, 0], 'radius': 1}, 'anchors': {}}",
+                    ".anchors: kept anchors go with the key vertices"},
+                   {"{'component': false}", ".component: expected true, found false."},
+                   {"{'component': 1}", ".component: expected true, found the number 1."},
+                   {"{'radius': '20 %'}", ".radius: expected a number, found the text \"20 %\"."},
+                   {"{'radius': 1, 'padding': []}", ".padding: expected a number, found a"}},
+                  with_region);
+  const std::string matrix = "'vertices': '1', 'matrix': [1,0,0,0, 0,1,0,0, 0,0,1,0";
+  expect_refusals("steps[0].handles",
+                  {{"", ": expected a list of one or more handle groups, found a list of length 0."},
+                   {"7", "[0]: expected an object, found the number 7."},
+                   {"{}", "[0]: needs exactly one of the keys vertices, points, within, selected and landmarks."},
+                   {"{'vertices': '1', 'points': [[0, 0, 0]]}", "[0]: needs exactly one of the keys vertices, points,"},
+                   {"{" + matrix + ", 0,0,0,1], 'scale': 1}", "[0]: has both matrix and "},
+                   {"{" + matrix + ", 0,0,0,1], 'rotation': {}}", "[0]: has both matrix and "},
+                   {"{" + matrix + ", 0,0,0,1], 'translation': [0, 0, 0]}", "[0]: has both matrix and "}},
+                  with_handle);
+  expect_refusals(
+      "steps[0].handles[0].",
+      {{"{'points': [0, 0, 1]}", "points[0]: expected a list of 3 numbers, found the number 0."},
+       {"{'within': {'point': [0, 0, 0]}}", "within.radius: expected a number, but the key is missing."},
+       {"{'selected': true, 'weights': [1]}", "weights: goes with vertices, points or landmarks only."},
+       {"{'points': [[0, 0, 0]], 'weights': [1, 1]}", "weights: holds 2 numbers for 1 points; give one for each"},
+       {"{'points': [[0, 0, 0], [1, 0, 0]], 'targets': [[0, 0, 1]]}",
+        "targets: holds 1 targets for 2 points; give one for each"},
+       {"{'selected': true, 'targets': [[0, 0, 1]]}", "targets: goes with points or vertices only"},
+       {"{'landmarks': {'from': 'no.pp', 'to': 'no.pp'}}", "landmarks: \"no.pp\" is not the path of a file."},
+       {"{'landmarks': {'from': 'no.pp'}}", "landmarks.to: expected a text, but the key is missing."},
+       {"{'vertices': true}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found true."},
+       {"{'selected': 1}", "selected: expected true, found the number 1."},
+       {"{'vertices': []}", "vertices: expected vertices, as in \"12-40,77\" or [12, 77], found a list of length 0."},
+       {"{'vertices': [1, 2.5]}", "vertices[1]: expected " + number + " the number 2.5."},
+       {"{'vertices': [1, '2;3']}", "vertices[1]: \"2;3\" is no vertex number or range"},
+       {"{'vertices': '1', 'translation': 1}", "translation: expected a list of 3 numbers, found the number 1."},
+       {"{'vertices': '1', 'rotation': 30}", "rotation: expected an object, found the number 30."},
+       {"{'vertices': '1', 'rotation': {'center': null}}",
+        "rotation.center: expected a list of 3 numbers, found null."},
+       {"{'vertices': '1-2', 'targets': [[0, 0, 1], [1, 2]]}",
+        "targets[1]: expected a list of 3 numbers, found a list"},
+       {"{" + matrix + "]}", "matrix: expected a list of 16 numbers, found a"},
+       {"{" + matrix + ", 0,0,0,2]}", "matrix: the last row"},
+       {"{" + matrix + ", 0,1,0,1]}", "matrix: the last row"}},
+      with_handle);
   for (const std::string other : {"scale", "rotation", "translation", "matrix"}) {
     EXPECT_EQ(refusal(with_handle("{'vertices': '1', 'targets': [[0, 0, 1]], '" + other + "': 1}")),
               "steps[0].handles[0]: has both targets and " + other + "; remove one of the two.");
   }
-
-  const std::pair<const char*, const char*> settings[] = {
-      {"'laplacian': 'uniform'",
-       "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", \"surface\", found the text "
-       "\"uniform\"."},
-      {"'normal_radius': 1",
-       "normal_radius: has no meaning with the method default; remove it, or use the method paper."},
-      {"'method': 'paper', 'iterations': 2",
-       "iterations: has no meaning with the method paper; remove it, or use the method default."},
-      {"'method': 'linear', 'rough': 'falloff'",
-       "rough: has no meaning with the method linear; remove it, or use the method paper."},
-      {"'order': 1.5", "order: expected a whole number from 0 to 2147483647, found the number 1.5."},
-      {"'iterations': 2147483648", "iterations: expected a whole number from 0 to 2147483647, found"},
-      {"'handle_weight': {}", "handle_weight: expected a number, found an object."},
-  };
-  for (const auto& [setting, expected] : settings) {
-    expect_contains(refusal(with_setting(setting)), std::string("steps[0].") + expected);
-  }
-
-  expect_contains(refusal(with_mesh("3")), "mesh: expected an object, found the number 3.");
-  expect_contains(refusal(with_mesh("{'vertices': -3}")), "mesh.vertices: expected a whole number from 0 to");
-  expect_contains(refusal(with_mesh("{'faces': 0.5}")), "mesh.faces: expected a whole number from 0 to");
-  expect_contains(refusal(with_mesh("{'connectivity': 7}")), "mesh.connectivity: expected a text, found the number 7.");
+  const std::string meaning = ": has no meaning with the method ";
+  expect_refusals(
+      "steps[0].",
+      {{"'weld': false", "weld: can no longer be switched off, since"},
+       {"'laplacian': 'uniform'",
+        "laplacian: expected one of \"umbrella\", \"cotangent\", \"mean_value\", \"surface\", "
+        "found the text \"uniform\"."},
+       {"'normal_radius': 1", "normal_radius" + meaning + "default; remove it, or use the method paper."},
+       {"'method': 'paper', 'iterations': 2", "iterations" + meaning + "paper; remove it, or use the method default."},
+       {"'method': 'linear', 'rough': 'falloff'", "rough" + meaning + "linear; remove it, or use the method paper."},
+       {"'order': 1.5", "order: expected " + number + " the number 1.5."},
+       {"'iterations': 2147483648", "iterations: expected " + number},
+       {"'handle_weight': {}", "handle_weight: expected a number, found an object."}},
+      with_setting);
+  EXPECT_EQ(refusal(with_setting("'weld': true")), "") << "of version 1.0";
+  expect_refusals("mesh",
+                  {{"3", ": expected an object, found the number 3."},
+                   {"{'vertices': -3}", ".vertices: expected a whole number from 0 to"},
+                   {"{'faces': 0.5}", ".faces: expected a whole number from 0 to"},
+                   {"{'connectivity': 7}", ".connectivity: expected a text, found the number 7."},
+                   {"{'positions': {'vertices': '3,1', 'points': [[0, 0, 0], [1, 0, 0]]}}",
+                    ".positions.vertices: vertex 1 comes after 3; put them in ascending order, each once."},
+                   {"{'positions': {'vertices': '1,3', 'points': [[0, 0, 0]]}}",
+                    ".positions.vertices: lists 2 vertices, but mesh.positions has points for 1; give one for each."}},
+                  mesh);
   for (const char* checksum : {"", "0123456789abcde", "0123456789abcdef0", "0123456789ABCDEF", "0123456789abcdeg"}) {
     expect_contains(refusal(with_mesh(std::string("{'connectivity': '") + checksum + "'}")),
                     "mesh.connectivity: expected a checksum of 16 digits");

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "lapedit/base/error.h"
+#include "lapedit/json/landmarks.h"
 #include "script_support.h"
 #include "temporary_folder.h"
 
@@ -261,6 +262,62 @@ TEST_F(EditFile, UnusablePathsAreRefusedByName) {
   expect_contains(refusal("/dev/zero"), "is neither JSON text");
   const std::string inside = refusal(write("bad.json", "{\n\"laplacian_edit\" 1}"));
   expect_contains(inside, "bad.json\": The text is not valid JSON: parse error at line 2, column ");
+}
+
+Edit read_step(const std::string& step) {
+  return read_edit(R"({"laplacian_edit": 1, "steps": [{"region": {"component": true}, )" + step + "}]}");
+}
+
+std::string refusal(const std::string& step) {
+  return refusal_of([&] { read_step(step); });
+}
+
+TEST(FitJson, IsReadAndWritten) {
+  const Edit edit = read_step(R"("fit": {"to": "scan.ply", "mode": "pose", "align": "none", "detail": 0.05,
+                                          "distance": 2, "accuracy": 0.25, "borders": true, "exclude": {"vertices": "12-14"}},
+                                  "handles": [{"points": [[0, 0, 1]], "targets": [[0, 1, 1]], "slide": 0.2}])");
+  const std::string text = write_edit(edit);
+  for (const Edit& each : {edit, read_edit(text)}) {
+    const EditStep& step = each.steps.at(0);
+    ASSERT_TRUE(step.fit.has_value());
+    EXPECT_EQ(step.fit->to, "scan.ply");
+    EXPECT_EQ(step.fit->settings.mode, FitMode::Pose);
+    EXPECT_EQ(step.fit->settings.align, FitAlign::None);
+    EXPECT_EQ(step.fit->settings.detail, 0.05);
+    EXPECT_EQ(step.fit->settings.distance, 2);
+    EXPECT_EQ(step.fit->settings.accuracy, 0.25);
+    EXPECT_TRUE(step.fit->settings.borders);
+    EXPECT_EQ(step.fit->exclude, std::vector<int>({12, 13, 14}));
+    EXPECT_EQ(step.handles.at(0).slide, 0.2);
+  }
+  EXPECT_EQ(write_edit(read_edit(text)), text);
+}
+
+TEST(FitJson, NeedsNoHandles) {
+  const Edit edit = read_step(R"("fit": {"to": "scan.ply"})");
+  EXPECT_TRUE(edit.steps[0].handles.empty());
+  EXPECT_FALSE(edit.steps[0].fit->settings.align.has_value());
+  EXPECT_FALSE(edit.steps[0].fit->settings.accuracy.has_value());
+  EXPECT_EQ(write_edit(read_edit(write_edit(edit))), write_edit(edit));
+  EXPECT_EQ(write_edit(read_step(R"("fit": {"to": "scan.ply"}, "handles": [])")), write_edit(edit));
+  EXPECT_NE(write_edit(fit_scan("a.ply")).find("\"to\": \"a.ply\""), std::string::npos);
+}
+
+TEST(FitJson, RefusesWhatHasNoMeaning) {
+  const std::string fit = R"("fit": {"to": "a.ply")",
+                    marks = R"("handles": [{"points": [[0, 0, 1]], "targets": [[0, 1, 1]], )";
+  const std::pair<std::string, const char*> cases[] = {
+      {fit + R"(, "mode": "both"})", "\"shape\""},
+      {fit + R"(, "align": 3})", "align"},
+      {fit + R"(, "exclude": "3"})", "exclude"},
+      {fit + R"(}, "handles": [{"vertices": "3", "translation": [0, 0, 1]}])", "no targets"},
+      {marks + R"("slide": 0.2}])", "slide"},
+      {fit + "}, " + marks + R"("slide": 2}])", "slide"},
+      {R"("mirror": {"point": [0, 0, 0], "normal": [1, 0, 0]})", "handles"},
+      {R"("handles": [])", "one or more handle groups"}};
+  for (const auto& [step, part] : cases) {
+    expect_contains(refusal(step), part);
+  }
 }
 
 }  // namespace

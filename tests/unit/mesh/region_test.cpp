@@ -63,52 +63,43 @@ std::set<int> boundary_of(const TriangleMesh& mesh, const Region& region) {
   return boundary;
 }
 
-struct Shape {
-  TriangleMesh (*mesh)();
-  Groups groups;
-  double radius;
-};
-
-class RegionOn : public ::testing::TestWithParam<Shape> {};
-INSTANTIATE_TEST_SUITE_P(
-    Shapes, RegionOn,
-    ::testing::Values(Shape{[] { return shapes::letter_field(30, 20); }, {{310}}, 0.9},
-                      Shape{[] { return shapes::letter_field(30, 20); }, {{310, 311, 331}, {250}}, 0.6},
-                      Shape{[] { return shapes::icosphere(3); }, {{100}, {3}}, 0.7},
-                      Shape{[] { return shapes::bar(9, 3, 3); }, {{0, 1}}, 5.5},
-                      Shape{[] { return shapes::tapered_arm(16, 40); }, {{641}}, 4.0},
-                      Shape{[] { return shapes::degenerate_grid(14, 11); }, {{60}}, 4.0},
-                      Shape{[] { return shapes::non_manifold_grid(14, 11); }, {{60, 61}}, 3.2},
-                      Shape{[] { return shapes::inconsistent_grid(14, 11); }, {{70}}, 3.5},
-                      Shape{[] { return shapes::two_pieces(2); }, {{5}, {200}}, 1.0}));
-
-TEST_P(RegionOn, RadiusTakesExactlyWhatIsWithinIt) {
-  const auto& [make, groups, radius] = GetParam();
-  const TriangleMesh mesh = make();
-  std::vector<int> seeds;
-  for (const auto& group : groups) {
-    seeds.insert(seeds.end(), group.begin(), group.end());
-  }
-  const std::vector<double> distance = support::plain_distances(mesh, seeds);
-  for (const double padding : {0.0, 0.1, 0.5, 1.0}) {
-    const Region region = build(mesh, within(radius, padding), groups);
-    EXPECT_EQ(region.radius, radius);
-    EXPECT_EQ(region.left_out, 0);
-    std::vector<int> expected;
-    for (int v = 0; v < mesh.vertices.rows(); ++v) {
-      if (distance[v] <= radius) {
-        expected.push_back(v);
-      }
+TEST(Region, RadiusTakesExactlyWhatIsWithinIt) {
+  const std::tuple<TriangleMesh, Groups, double> cases[] = {
+      {shapes::letter_field(30, 20), {{310}}, 0.9},
+      {shapes::letter_field(30, 20), {{310, 311, 331}, {250}}, 0.6},
+      {shapes::icosphere(3), {{100}, {3}}, 0.7},
+      {shapes::bar(9, 3, 3), {{0, 1}}, 5.5},
+      {shapes::tapered_arm(16, 40), {{641}}, 4.0},
+      {shapes::degenerate_grid(14, 11), {{60}}, 4.0},
+      {shapes::non_manifold_grid(14, 11), {{60, 61}}, 3.2},
+      {shapes::inconsistent_grid(14, 11), {{70}}, 3.5},
+      {shapes::two_pieces(2), {{5}, {200}}, 1.0}};
+  for (const auto& [mesh, groups, radius] : cases) {
+    std::vector<int> seeds;
+    for (const auto& group : groups) {
+      seeds.insert(seeds.end(), group.begin(), group.end());
     }
-    EXPECT_EQ(region.mesh_vertex, expected);
-    const std::set<int> boundary = boundary_of(mesh, region);
-    for (int i = 0; i < region.size(); ++i) {
-      const int v = region.mesh_vertex[i];
-      EXPECT_NEAR(region.distance[i], distance[v], 1e-14 * radius);
-      if (region.group[i] < 0) {
-        const bool band = distance[v] > (1 - padding) * radius * (1 + 1e-14);
-        EXPECT_EQ(region.classes[i], band || boundary.count(v) ? VertexClass::Anchor : VertexClass::Free)
-            << "vertex " << v << ", padding " << padding;
+    const std::vector<double> distance = support::plain_distances(mesh, seeds);
+    for (const double padding : {0.0, 0.1, 0.5, 1.0}) {
+      const Region region = build(mesh, within(radius, padding), groups);
+      EXPECT_EQ(region.radius, radius);
+      EXPECT_EQ(region.left_out, 0);
+      std::vector<int> expected;
+      for (int v = 0; v < mesh.vertices.rows(); ++v) {
+        if (distance[v] <= radius) {
+          expected.push_back(v);
+        }
+      }
+      EXPECT_EQ(region.mesh_vertex, expected);
+      const std::set<int> boundary = boundary_of(mesh, region);
+      for (int i = 0; i < region.size(); ++i) {
+        const int v = region.mesh_vertex[i];
+        EXPECT_NEAR(region.distance[i], distance[v], 1e-14 * radius);
+        if (region.group[i] < 0) {
+          const bool band = distance[v] > (1 - padding) * radius * (1 + 1e-14);
+          EXPECT_EQ(region.classes[i], band || boundary.count(v) ? VertexClass::Anchor : VertexClass::Free)
+              << "vertex " << v << ", padding " << padding;
+        }
       }
     }
   }
