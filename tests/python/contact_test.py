@@ -38,16 +38,8 @@ def tube(rings, around, radius, low, high):
     return points[:, [2, 0, 1]] * [radius, 1, radius] + [0, low, 0], faces
 
 
-def near(points, *place, radius):
-    return numpy.flatnonzero(numpy.linalg.norm(points - place, axis=1) < radius)
-
-
-def where(condition):
-    return numpy.flatnonzero(condition)
-
-
-def turned(vertices, axis, degrees, center, **more):
-    return {"vertices": vertices, "rotation": {"axis": axis, "degrees": degrees, "center": center}, **more}
+def turned(axis, degrees, center, **more):
+    return {"rotation": {"axis": axis, "degrees": degrees, "center": center}, **more}
 
 
 def crosses(points, faces):
@@ -56,87 +48,45 @@ def crosses(points, faces):
     return ipctk.has_intersections(ipctk.CollisionMesh(points, edges, faces), numpy.asarray(points, float))
 
 
-def fingers():
-    points, faces = mesh("hand")
-    tip = near(points, 0.05, 1.6, 0, radius=0.2)
-    return points, faces, {"region": {"radius": 1.2}, "handles": [{"vertices": tip, "translation": [0.35, -0.1, 0]}]}
+def pulled(name, radius, place, size, **motion):
+    """A disc of a generated mesh as the handle."""
+    points, faces = mesh(name)
+    disc = numpy.flatnonzero(numpy.linalg.norm(points - place, axis=1) < size)
+    return points, faces, {"region": {"radius": radius}, "handles": [{"vertices": disc, **motion}]}
 
 
-def hand_on_thigh():
-    points, faces = mesh("person")
-    hand = near(points, 1.08, -0.4, 0.1, radius=0.25)
-    return points, faces, {"region": {"radius": 1.4}, "handles": [turned(hand, [0, 0, 1], -55, [0.4, 0.8, 0])]}
-
-
-def arm_through_body():
-    points, faces = mesh("person")
-    hand = near(points, 1.08, -0.4, 0.1, radius=0.25)
-    return points, faces, {"region": {"radius": 1.3}, "handles": [{"vertices": hand, "translation": [-1.3, 0.3, 0.05]}]}
-
-
-def elbow():
-    points, faces = tube(140, 40, 0.3, -2, 2)
-    upper, fore = where(points[:, 1] < -0.5), where(points[:, 1] > 0.5)
-    return points, faces, {"region": {"component": True}, "handles": [{"vertices": upper}, turned(fore, [0, 0, 1], 150, [0, 0, 0])]}
-
-
-def coil():
-    points, faces = tube(200, 16, 0.1, 0, 4)
-    low, high = where(points[:, 1] < 0.3), where(points[:, 1] > 3.7)
-    return points, faces, {"region": {"component": True}, "handles": [{"vertices": low}, turned(high, [0, 0, 1], 360, [0, 3.85, 0], translation=[0.05, -3.6, 0])]}
-
-
-def ear():
-    points, faces = mesh("creature")
-    tip = near(points, 1.2, 1.2, 0.62, radius=0.15)
-    return points, faces, {"region": {"radius": 0.5}, "handles": [{"vertices": tip, "translation": [0.05, -0.25, -0.45]}]}
-
-
-def nose():
-    points, faces = mesh("coarse_head")
-    tip = near(points, 0, -0.13, 1.2, radius=0.12)
-    return points, faces, {"region": {"radius": 0.6}, "handles": [{"vertices": tip, "translation": [0.1, -0.45, -0.35]}]}
+def between_ends(points, faces, axis, low, high, first=0, **motion):
+    """The vertices beyond a high coordinate move, and those below a low one are held. @param first  vertex of the piece"""
+    ends = [first + numpy.flatnonzero(end) for end in (points[first:, axis] < low, points[first:, axis] > high)]
+    return points, faces, {"region": {"component": True}, "handles": [{"vertices": ends[0]}, {"vertices": ends[1], **motion}]}
 
 
 def sheet():
     points, faces = grid(60, 40)
     u, v = (points[:, :2] / [59, 39]).T
-    points = numpy.stack([3 * u, 2 * v, 0.02 * numpy.sin(20 * u) * numpy.sin(15 * v)], 1)
-    left, right = where(points[:, 0] < 0.6), where(points[:, 0] > 2.4)
-    return points, faces, {"region": {"component": True}, "handles": [{"vertices": left}, turned(right, [0, 1, 0], -186, [1.5, 0, 0])]}
+    return numpy.stack([3 * u, 2 * v, 0.02 * numpy.sin(20 * u) * numpy.sin(15 * v)], 1), faces
 
 
-def squashed():
-    points, faces = tube(80, 36, 0.4, -1.2, 1.2)
-    low, high = where(points[:, 1] < -1), where(points[:, 1] > 1)
-    return points, faces, {"region": {"component": True}, "handles": [{"vertices": low}, {"vertices": high, "translation": [0, -1.7, 0]}]}
-
-
-def sleeve():
-    points, faces = together(tube(80, 24, 0.25, -2, 2), tube(50, 40, 0.4, -1.2, 0.8), 0)
-    cuff = where((numpy.arange(len(points)) >= 80 * 24) & (points[:, 1] > 0.6))
-    held = where((numpy.arange(len(points)) >= 80 * 24) & (points[:, 1] < -1))
-    return points, faces, {"region": {"component": True}, "handles": [{"vertices": held}, {"vertices": cuff, "translation": [0.45, 0, 0]}]}
-
-
-def thumb():
-    points, faces = mesh("hand")
-    side = points[:, 0].argmax() if points[:, 0].max() > -points[:, 0].min() else points[:, 0].argmin()
-    tip = near(points, *points[side], radius=0.2)
-    return points, faces, {"region": {"radius": 1.1}, "handles": [{"vertices": tip, "translation": list(0.9 * (numpy.array([0.05, 0.6, 0.3]) - points[side]))}]}
-
-
-def horn():
-    points, faces = mesh("creature")
-    tip = near(points, 1.28, 1.95, 0.3, radius=0.15)
-    return points, faces, {"region": {"radius": 1}, "handles": [{"vertices": tip, "translation": [0, -0.5, -0.75]}]}
-
-
-CASES = [fingers, hand_on_thigh, arm_through_body, elbow, coil, ear, nose, sheet, squashed, sleeve, thumb, horn]
+HAND = (1.08, -0.4, 0.1)
+CASES = {
+    "fingers": lambda: pulled("hand", 1.2, (0.05, 1.6, 0), 0.2, translation=[0.35, -0.1, 0]),
+    "hand on thigh": lambda: pulled("person", 1.4, HAND, 0.25, **turned([0, 0, 1], -55, [0.4, 0.8, 0])),
+    "arm through body": lambda: pulled("person", 1.3, HAND, 0.25, translation=[-1.3, 0.3, 0.05]),
+    "elbow": lambda: between_ends(*tube(140, 40, 0.3, -2, 2), 1, -0.5, 0.5, **turned([0, 0, 1], 150, [0, 0, 0])),
+    "coil": lambda: between_ends(*tube(200, 16, 0.1, 0, 4), 1, 0.3, 3.7, **turned([0, 0, 1], 360, [0, 3.85, 0], translation=[0.05, -3.6, 0])),
+    "ear": lambda: pulled("creature", 0.5, (1.2, 1.2, 0.62), 0.15, translation=[0.05, -0.25, -0.45]),
+    "nose": lambda: pulled("coarse_head", 0.6, (0, -0.13, 1.2), 0.12, translation=[0.1, -0.45, -0.35]),
+    "sheet": lambda: between_ends(*sheet(), 0, 0.6, 2.4, **turned([0, 1, 0], -186, [1.5, 0, 0])),
+    "squashed": lambda: between_ends(*tube(80, 36, 0.4, -1.2, 1.2), 1, -1, 1, translation=[0, -1.7, 0]),
+    "sleeve": lambda: between_ends(*together(tube(80, 24, 0.25, -2, 2), tube(50, 40, 0.4, -1.2, 0.8), 0), 1, -1, 0.6, first=80 * 24,
+                                   translation=[0.45, 0, 0]),
+    "thumb": lambda: pulled("hand", 1.1, (side := max(mesh("hand")[0], key=lambda p: abs(p[0]))), 0.2,
+                            translation=list(0.9 * (numpy.array([0.05, 0.6, 0.3]) - side))),
+    "horn": lambda: pulled("creature", 1, (1.28, 1.95, 0.3), 0.15, translation=[0, -0.5, -0.75])}
 
 
 def both_ways(case):
-    points, faces, step = case()
+    points, faces, step = CASES[case]()
     plain = edit(points, faces, {"steps": [step]})
     return points, faces, step, plain, edit(points, faces, {"steps": [{**step, "contact": True}]})
 
@@ -144,7 +94,7 @@ def both_ways(case):
 class Contact(unittest.TestCase):
     def test_nothing_crosses(self):
         for case in CASES:
-            with self.subTest(case.__name__):
+            with self.subTest(case):
                 points, faces, _, plain, stopped = both_ways(case)
                 self.assertFalse(crosses(points, faces))
                 self.assertTrue(crosses(plain[0], faces))
@@ -152,7 +102,7 @@ class Contact(unittest.TestCase):
                 self.assertFalse(crosses(stopped[0].astype(numpy.float32), faces))
 
     def test_the_report_says_what_stopped(self):
-        points, faces, step, plain, stopped = both_ways(sleeve)
+        points, faces, step, plain, stopped = both_ways("sleeve")
         report = stopped.report["steps"][0]
         group = step["handles"][1]
         off = (points + group["translation"] - stopped.vertices)[group["vertices"]]
@@ -165,14 +115,14 @@ class Contact(unittest.TestCase):
         self.assertIsNone(plain.report["steps"][0]["contacts"])
 
     def test_a_jam_is_reported(self):
-        points, faces, step, _, jammed = both_ways(fingers)
+        points, faces, step, _, jammed = both_ways("fingers")
         report = jammed.report["steps"][0]
         self.assertFalse(report["converged"])
         self.assertRegex(report["stopped"], r"^handle group 0 stops [\d.]+ before its target, at vertex \d+$")
         self.assertIn("contacts jam there; move it less", report["advice"])
 
     def test_an_elbow_stops_before_it_tears(self):
-        points, faces, step = elbow()
+        points, faces, step = CASES["elbow"]()
         fore = step["handles"][1]["vertices"]
         rest = points[fore] - points[fore].mean(axis=0)
         for degrees in (180, 240):
@@ -186,7 +136,7 @@ class Contact(unittest.TestCase):
             self.assertFalse(crosses(stopped.vertices, faces))
 
     def test_what_is_far_from_contact_stays(self):
-        points, faces, step, plain, stopped = both_ways(nose)
+        points, faces, step, plain, stopped = both_ways("nose")
         moved = numpy.linalg.norm(stopped.vertices - plain.vertices, axis=1)
         largest = numpy.linalg.norm(plain.vertices - points, axis=1).max()
         touching = points[numpy.flatnonzero(moved > 0.1 * moved.max())]
@@ -195,7 +145,7 @@ class Contact(unittest.TestCase):
         self.assertLess(moved[away].max(), 0.02 * largest)
 
     def test_a_piece_that_moves_as_a_whole_stops(self):
-        points, faces, step = sleeve()
+        points, faces, step = CASES["sleeve"]()
         step["handles"] = step["handles"][1:]
         self.assertTrue(crosses(edit(points, faces, {"steps": [step]}).vertices, faces))
         stopped = edit(points, faces, {"steps": [{**step, "contact": True}]})
@@ -208,13 +158,12 @@ class Contact(unittest.TestCase):
         points, faces = together(tube(80, 24, 0.25, -2, 2), tube(50, 40, 0.3, -1.2, 0.8), 0)
         points[80 * 24:] = points[80 * 24:] @ [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
         self.assertTrue(crosses(points, faces))
-        low, high = where(points[:, 1] < -1.6), where(points[:, 1] > 1.6)
-        step = {"region": {"component": True}, "handles": [{"vertices": low}, turned(high, [1, 0, 0], 40, [0, 1.6, 0])]}
+        *_, step = between_ends(points, faces, 1, -1.6, 1.6, **turned([1, 0, 0], 40, [0, 1.6, 0]))
         plain, free = (edit(points, faces, {"steps": [{**step, **more}]}) for more in ({}, {"contact": True}))
         self.assertEqual(plain.vertices.tobytes(), free.vertices.tobytes())
 
     def test_a_mirrored_edit_stays_symmetric(self):
-        points, faces, step = ear()
+        points, faces, step = CASES["ear"]()
         mirror = {"point": [0, 0, 0], "normal": [0, 0, 1]}
         both_ears = edit(points, faces, {"steps": [{**step, "mirror": mirror, "contact": True}]}).vertices
         self.assertFalse(crosses(both_ears, faces))
@@ -222,7 +171,7 @@ class Contact(unittest.TestCase):
         self.assertLess(max(numpy.linalg.norm(both_ears - point, axis=1).min() for point in image[::50]), 0.02)
 
     def test_only_the_default_method_has_it(self):
-        points, faces, step = sheet()
+        points, faces, step = CASES["sheet"]()
         with self.assertRaisesRegex(EditRefused, "contact: has no meaning with the method linear"):
             edit(points, faces, {"steps": [{**step, "method": "linear", "contact": True}]})
 
