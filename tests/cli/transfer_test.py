@@ -16,11 +16,12 @@ def sheet(rows, columns):
     return [(x, y, 0.3 * math.sin(math.pi * x) * math.sin(2 * y)) for x, y, _ in points], faces
 
 
-MESH = sheet(21, 21)
-
-
 def place(x, y, z):
     return 1.05 * x + 0.05 * math.sin(2 * y), y, 1.2 * z
+
+
+MESH, SHEET = sheet(21, 21), sheet(31, 33)
+SCAN, PLACED = (([place(*p) for p in points], faces) for points, faces in (SHEET, MESH))
 
 
 def values(x, y, _):
@@ -41,12 +42,10 @@ def vertices(form, points, types, columns, line="\n"):
 class Transfer(ProgramTest):
     def setUp(self):
         super().setUp()
-        points, faces = sheet(31, 33)
-        scan = [place(*p) for p in points], faces
         self.mesh.write_bytes(files.ply_plain(MESH))
         self.types = ["double", "uchar", "uchar", "uchar", "float", "float", "float"]
         self.scan, self.out = self.folder / "scan.ply", self.work / "out.ply"
-        self.scan.write_bytes(vertices("binary_little_endian", scan, self.types, [(p, values(*p)) for p in scan[0]]).replace(
+        self.scan.write_bytes(vertices("binary_little_endian", SCAN, self.types, [(p, values(*p)) for p in SCAN[0]]).replace(
             b"obj_info x 1", b"comment TextureFile skin of a.png"))
 
     def fitted(self, *arguments, mesh=None):
@@ -106,13 +105,11 @@ class Transfer(ProgramTest):
 
     def test_own_columns_and_far_vertices(self):
         """The scan ends at y = 0.5: beyond it colours stay, as real numbers up to 1, and those of no others change."""
-        points, faces = sheet(31, 33)
-        kept = [f for f in faces if all(points[v][1] < 0.5 for v in f)]
-        scan = [place(*p) for p in points], kept
+        scan = SCAN[0], [f for f in SCAN[1] if all(SHEET[0][v][1] < 0.5 for v in f)]
         self.scan.write_bytes(vertices("ascii", scan, self.types, [(p, values(*p)) for p in scan[0]]))
         types = ["float", "float", "float", "float", "double"]
         mesh = self.folder / "own.ply"
-        mesh.write_bytes(vertices("binary_little_endian", ([place(*p) for p in MESH[0]], MESH[1]), types, [(place(*p), (0.25, 0.5, 1, 7.5)) for p in MESH[0]]))
+        mesh.write_bytes(vertices("binary_little_endian", PLACED, types, [(p, (0.25, 0.5, 1, 7.5)) for p in PLACED[0]]))
         for distance in (0.01, 0.2):
             ply = self.fitted("--transfer", "colour", "--within", distance, mesh=mesh)
             v = ply.elements["vertex"]
@@ -129,13 +126,10 @@ class Transfer(ProgramTest):
             self.assertEqual(len(set(v["quality"])), 1)
 
     def test_colours_of_16_bits_onto_8(self):
-        points, faces = sheet(31, 33)
-        scan = [place(*p) for p in points], faces
-        self.scan.write_bytes(vertices("binary_little_endian", scan, ["double", "ushort", "ushort", "ushort"],
-                                       [(p, [257 * c for c in values(*p)[:3]]) for p in scan[0]]))
+        self.scan.write_bytes(vertices("binary_little_endian", SCAN, ["double", "ushort", "ushort", "ushort"],
+                                       [(p, [257 * c for c in values(*p)[:3]]) for p in SCAN[0]]))
         mesh = self.folder / "own.ply"
-        own = [place(*p) for p in MESH[0]], MESH[1]
-        mesh.write_bytes(vertices("ascii", own, ["float", "uchar", "uchar", "uchar"], [(p, (9, 9, 9)) for p in own[0]]))
+        mesh.write_bytes(vertices("ascii", PLACED, ["float", "uchar", "uchar", "uchar"], [(p, (9, 9, 9)) for p in PLACED[0]]))
         self.assertEqual(set(self.fitted("--transfer", "colour", mesh=mesh).elements["vertex"]["blue"]), {77})
 
     def test_fractions_have_their_own(self):

@@ -9,49 +9,19 @@ usage: ply_meshes.py SCALAR GENERATED MESHES FOLDER
   FOLDER     where to write <mesh>.ply
 """
 import pathlib
-import struct
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "cli"))
+sys.path[:0] = [str(HERE.parent / "cli"), str(HERE.parent)]
 
-from ply import Ply, mesh_files  # noqa: E402
-
-
-def read_off(path):
-    words = path.read_text(encoding="ascii").split()
-    count, triangles = int(words[1]), int(words[2])
-    points = list(map(float, words[4:4 + 3 * count]))
-    faces = list(map(int, words[4 + 3 * count:4 + 3 * count + 4 * triangles]))
-    return list(zip(points[0::3], points[1::3], points[2::3])), list(zip(faces[1::4], faces[2::4], faces[3::4]))
-
-
-def read_stl(path):
-    """Binary. Equal corners are one vertex, numbered by first appearance."""
-    numbers, faces = {}, []
-    for row in struct.iter_unpack("<12fH", path.read_bytes()[84:]):
-        faces.append(tuple(numbers.setdefault(row[k:k + 3], len(numbers)) for k in (3, 6, 9)))
-    return list(numbers), faces
-
-
-def read_ply(path):
-    mesh = Ply(path)
-    faces = mesh.faces() if "face" in mesh.elements else []
-    for strip in mesh.elements.get("tristrips", {}).get("vertex_indices", ()):
-        flip = 0
-        for k in range(len(strip) - 2):
-            a, b, c = strip[k:k + 3]
-            if a == -1:
-                flip = 0
-            elif -1 not in (b, c):
-                faces.append((b, a, c) if flip else (a, b, c))
-                flip = 1 - flip
-    return mesh.points(), faces
+import mesh_files  # noqa: E402
+from mesh_bytes import MeshBytes  # noqa: E402
 
 
 def read(path):
     """@return points, triangles"""
-    return {".off": read_off, ".stl": read_stl, ".ply": read_ply}[path.suffix.lower()](path)
+    mesh = MeshBytes(path.name, path.read_bytes())
+    return mesh.points, mesh.triangles
 
 
 def write(path, points, faces, scalar="float"):

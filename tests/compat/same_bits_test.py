@@ -21,10 +21,8 @@ class SameBits(FilterHost):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        # Files to read have single precision, whatever MeshLab has.
         subprocess.run([sys.executable, HERE / "ply_meshes.py", SCALAR, os.environ["LAPEDIT_GENERATED"],
-                        os.environ.get("LAPEDIT_MESHES", ""), cls.folder / "meshes"],
-                       env={**os.environ, "LAPEDIT_SCALAR": "float"}, check=True)
+                        os.environ.get("LAPEDIT_MESHES", ""), cls.folder / "meshes"], check=True)
 
     def test_recorded_edits(self):
         edits = [(edit, mesh) for edit in sorted(HERE.glob("edits/*/*.json")) if edit.stem != "fit"

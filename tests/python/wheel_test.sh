@@ -74,7 +74,7 @@ edits() {
 linux_x86_64() {
   local python
   for python in python3 "$("$here/pythons.sh" | tail -n 1)"; do
-    LAPEDIT_MESHES=$meshes "$here/installed.sh" "$python" "$wheels" "$work/venv"
+    "$here/installed.sh" "$python" "$wheels" "$work/venv"
   done
   example "$work/venv/bin/python"
   edits "$work/venv/bin/laplacian-edit" "$generated" "$meshes"
@@ -112,7 +112,7 @@ time.sleep(3600)'
   windows_python cp312 site/package_test.py
   example windows_python cp311
   emulated "$wine" "$work/cp311/site/bin/laplacian-edit.exe"
-  LAPEDIT_OTHER_READERS=OFF LAPEDIT_STAGE=none LAPEDIT_MESHES='' LAPEDIT_COMMAND=$work/laplacian-edit LAPEDIT_OTHER_COMMAND=$program \
+  LAPEDIT_COMMAND=$work/laplacian-edit LAPEDIT_OTHER_COMMAND=$program \
     python3 "$here/../cli/formats_test.py" OtherSystem Damage.test_no_faces Damage.test_selection_of_meshlab
   edits "$work/laplacian-edit" "$generated" "$meshes"
 }
