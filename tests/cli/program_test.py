@@ -13,7 +13,7 @@ import unittest
 
 from program import (ADVISED, CENTRE, COMMAND, DOME, FACES, LEAN, LIFT, POINTS, REFUSED, SANITIZED, UNEXPECTED, UNREADABLE,
                      UNWRITABLE, WRONG_USAGE, MeshBytes, ProgramTest, files)
-from shapes import dome
+from shapes import dome, moved, together
 
 SOURCES = pathlib.Path(__file__).parents[2] / "common" / "cli"
 
@@ -192,6 +192,12 @@ class Edits(ProgramTest):
         self.assertRegex(self.done("--info", self.mesh), r"\Avertices: 441 \(0 without a face, 0 not finite\)\nfaces: 800\n"
                          r"box: 0,0,0 to 1,1,0\.\d+, diagonal \S+\npieces: 1, .*\nborders: 1 of 80 edges in all\nselected: 0 ")
         points, faces = DOME
+        tetrahedron, holed = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)], [*points[:30], (math.nan, 0, 0), *points[31:]]
+        for mesh, words in (((points + [(9, 9, 9)], faces), r"442 \(1 without a face, 0 not finite\)"), ((holed, faces), "0 without a face, 1 not"),
+                            (together(DOME, moved(DOME, 1, (2, 0, 0))), "pieces: 2, the largest of 441 vertices\nborders: 2 of 160 edges"),
+                            ((points[:4], tetrahedron), "pieces: 1, .*\nborders: 0 of 0 edges"), ((points, []), r"\(441 without .*\n.*\n.*\npieces: 0, ")):
+            (self.work / "any.ply").write_bytes(files.ply_plain(mesh, form="binary_little_endian"))
+            self.assertRegex(self.done("--info", "any.ply"), words)
         for far in (1e308, 1e200, 1e-308):
             stray = [*points, (-far, far, 0), (far, -far, far), (0, far, far)], [*faces, (441, 442, 443)]
             (self.work / "stray.ply").write_bytes(files.ply_plain(stray, "double"))

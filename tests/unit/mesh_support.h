@@ -12,6 +12,28 @@
 /// Meshes, renumbering, adjacency and distances for tests with meshes.
 namespace lapedit::support {
 
+/// The numbers below a count for which a condition holds.
+template <typename Condition>
+std::vector<int> where(Eigen::Index count, Condition holds) {
+  std::vector<int> result;
+  for (int i = 0; i < count; ++i) {
+    if (holds(i)) {
+      result.push_back(i);
+    }
+  }
+  return result;
+}
+
+/// The mesh without the faces for whose centre a condition holds.
+template <typename Condition>
+TriangleMesh without_faces(TriangleMesh mesh, Condition holds) {
+  const std::vector<int> kept = where(mesh.faces.rows(), [&](int f) {
+    return !holds(mesh.vertices(mesh.faces.row(f).array(), Eigen::all).colwise().mean());
+  });
+  mesh.faces = mesh.faces(kept, Eigen::all).eval();
+  return mesh;
+}
+
 /// The same surface: vertex v gets the number new_number[v], faces another order and another first corner.
 inline TriangleMesh renumbered(const TriangleMesh& mesh, const std::vector<int>& new_number, unsigned seed) {
   TriangleMesh result = mesh;

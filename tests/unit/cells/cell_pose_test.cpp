@@ -89,9 +89,6 @@ double farthest(const Points& a, const Points& b) {
   return (a - b).rowwise().norm().maxCoeff();
 }
 
-// --- what rotations come out ---
-
-/// Fails if rotations stay behind, overshoot, or do not fade out towards the boundary.
 TEST(CellPose, BentLimbTurnsFromNothingAtTheBoundaryToTheGroupsTurnAtTheHandle) {
   const auto t = limb();
   for (const double degrees : {20.0, 90.0, 179.0}) {
@@ -118,8 +115,6 @@ TEST(CellPose, BentLimbTurnsFromNothingAtTheBoundaryToTheGroupsTurnAtTheHandle) 
     EXPECT_NEAR(sums[6] / counts[6] / degrees, 0.57, 0.15) << "about half of it halfway";
   }
 }
-
-// --- that they have settled ---
 
 /// Fails if the passes that are made are too few: an edit that has settled hardly changes in a pass.
 TEST(CellPose, ComesNearToWhatSettles) {
@@ -204,8 +199,6 @@ TEST(CellPose, AllocatesNothingAfterASolutionForNothing) {
   EXPECT_EQ(allocations - before, 0);
 }
 
-// --- what cells have to be for that ---
-
 /// A cell that hangs on one other has no tangent plane; what rounding makes of one is another normal in each pass, and
 /// rotations never settle. Of a ribbon as narrow as its cells the last ones are such.
 TEST(CellSurface, CellsWithNeighboursInALineHaveNoNormal) {
@@ -276,8 +269,6 @@ TEST(CellPacking, AnyNumberOfGroupsHasAFewHundredCells) {
     EXPECT_TRUE(t.cells().displacement().allFinite()) << count;
   }
 }
-
-// --- strange input ---
 
 TEST(CellPose, SingularAndMirroringMapsGiveFiniteRotations) {
   const auto t = limb();

@@ -31,7 +31,6 @@ TEST(EditConstraints, NothingMovedIsNothingToDo) {
   EXPECT_TRUE(s.constraints.wanted().isZero(0));
 }
 
-/// Fails if a held component moves with its handle, or a target is missing.
 TEST(EditConstraints, HeldComponentDoesNotMoveRigidly) {
   Scene s;
   const Vector3 way(0.1, 0.2, -0.3);
@@ -43,7 +42,6 @@ TEST(EditConstraints, HeldComponentDoesNotMoveRigidly) {
   EXPECT_LT((s.constraints.wanted_displacement(100) - way).norm(), 1e-14);
 }
 
-/// Fails if the fit is over groups or components and not over handle vertices, or if it stretches.
 TEST(EditConstraints, LooseComponentGoesByTheRigidMotionThatFitsBest) {
   Scene s;
   const std::vector<int> loose = {200, 250, 251};
@@ -90,7 +88,6 @@ TEST(EditConstraints, ComponentFollowsGroupsThatAgreeExactly) {
   EXPECT_TRUE(s.constraints.wanted().isZero(0));
 }
 
-/// Fails if a distance is measured from another position, or an angle in radians.
 TEST(MeasureEdit, IsMeasuredFromTheTargets) {
   Scene s;
   const Affine away = support::shift(Vector3(2, 0, 0));

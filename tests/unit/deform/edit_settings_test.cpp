@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -22,38 +23,26 @@ std::string refusal(const EditSettings& settings) {
   }
 }
 
-/// A method that takes all values of a setting.
-EditMethod method_with(const Setting& setting) {
-  return setting.only.value_or(EditMethod::Linear);
-}
-
 TEST(EditSettings, EverySettingIsRefusedOutsideItsRangeOnly) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity(), kNaN = std::numeric_limits<double>::quiet_NaN();
   for (const Setting& setting : settings_table()) {
-    if (setting.kind == Setting::Kind::Switch) {
-      continue;  // any number is on or off
-    }
-    if (std::string(setting.key) == "method") {
-      continue;  // setting it sets all others
+    if (setting.kind == Setting::Kind::Switch || std::string(setting.key) == "method") {
+      continue;  // any number is on or off; setting the method sets all others
     }
     const auto with = [&](double value) {
-      EditSettings settings = EditSettings::of(method_with(setting));
+      EditSettings settings = EditSettings::of(setting.only.value_or(EditMethod::Linear));
       setting.set(settings, value);
-      EXPECT_EQ(setting.get(settings), value) << setting.key;
+      EXPECT_TRUE(std::isnan(value) || setting.get(settings) == value) << setting.key;
       return refusal(settings);
     };
-    const bool real = setting.kind == Setting::Kind::Length || setting.kind == Setting::Kind::Number;
-    const double step = real ? 1e-7 : 1;
+    const bool length = setting.kind == Setting::Kind::Length, real = length || setting.kind == Setting::Kind::Number;
+    const double below = setting.low - (real ? 1e-7 : 1);
     EXPECT_EQ(with(setting.low), "");
     EXPECT_EQ(with(setting.high), "");
-    EXPECT_EQ(with(setting.low - step), std::string("The ") + setting.subject + " is " +
-                                            number_text(setting.low - step) + ": give " + setting.range + ".");
-    EXPECT_NE(with(setting.kind == Setting::Kind::Length ? std::numeric_limits<double>::infinity() : setting.high + 1),
-              "");
-    if (real) {
-      EditSettings settings = EditSettings::of(method_with(setting));
-      setting.set(settings, std::numeric_limits<double>::quiet_NaN());
-      EXPECT_NE(refusal(settings), "") << setting.key;
-    }
+    EXPECT_EQ(with(below),
+              std::string("The ") + setting.subject + " is " + number_text(below) + ": give " + setting.range + ".");
+    EXPECT_NE(with(length ? kInfinity : setting.high + 1), "");
+    EXPECT_TRUE(!real || !with(kNaN).empty()) << setting.key;
   }
 }
 

@@ -26,13 +26,8 @@ struct Scene {
   Scene() { region = support::region_of(mesh, support::within(12), handles); }
   Points rest() const { return support::rows(mesh.vertices, region.mesh_vertex); }
   std::vector<int> local(const std::vector<int>& vertices) const {
-    std::vector<int> found;
-    for (int i = 0; i < region.size(); ++i) {
-      if (std::count(vertices.begin(), vertices.end(), region.mesh_vertex[i]) > 0) {
-        found.push_back(i);
-      }
-    }
-    return found;
+    return support::where(
+        region.size(), [&](int i) { return std::count(vertices.begin(), vertices.end(), region.mesh_vertex[i]) > 0; });
   }
 };
 
@@ -40,12 +35,8 @@ TEST(GeodesicFalloff, IsInverseDistancesToThePowerOfThreeHalves) {
   const Scene scene;
   const Region& region = scene.region;
   const TriangleMesh surface{scene.rest(), region.faces};
-  std::vector<int> anchors;
-  for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Anchor) {
-      anchors.push_back(i);
-    }
-  }
+  const std::vector<int> anchors =
+      support::where(region.size(), [&](int i) { return region.classes[i] == VertexClass::Anchor; });
   const std::vector<double> first = support::plain_distances(surface, scene.local(scene.handles[0])),
                             second = support::plain_distances(surface, scene.local(scene.handles[1])),
                             boundary = support::plain_distances(surface, anchors);
@@ -75,7 +66,6 @@ TEST(GeodesicFalloff, WeightsOfGroupsAddUpToOneWithoutAnchors) {
   }
 }
 
-/// Fails if a soft vertex follows its group in full.
 TEST(GeodesicFalloff, BeginsAtTheVerticesOfTheLargestWeight) {
   Scene scene;
   const Points rest = scene.rest();

@@ -143,7 +143,6 @@ std::vector<HandleMotion> some_motions() {
           turned(360, Vector3(0, 0, 1), Vector3(0, 0, 0), Vector3(3, 3, 3))};
 }
 
-/// Fails if a path ends beside its target by rounding, does not begin at rest, or jumps.
 TEST(MotionPath, LeadsFromRestToTheTargetToTheBit) {
   for (const HandleMotion& target : some_motions()) {
     const MotionPath path = path_of(target);
@@ -161,7 +160,6 @@ TEST(MotionPath, LeadsFromRestToTheTargetToTheBit) {
   }
 }
 
-/// Fails if a group takes the chord, on which it would shrink or come too near.
 TEST(MotionPath, RotationAboutAFarPivotKeepsTheDistanceFromIt) {
   const Vector3 pivot(40, 3, -7), axis(0.2, 1, 0.4);
   for (const double degrees : {31.0, 90.0, 150.0, 179.0, 180.0}) {
@@ -176,7 +174,6 @@ TEST(MotionPath, RotationAboutAFarPivotKeepsTheDistanceFromIt) {
   }
 }
 
-/// Fails if 270 degrees become -90, or a revolution is lost.
 TEST(MotionPath, RotatesEvenlyAndCountsRevolutions) {
   for (const double degrees : {45.0, 90.0, 179.0, 180.0, 270.0, -300.0, 360.0, 1000.0}) {
     const MotionPath path = path_of(turned(degrees, Vector3::UnitZ(), Vector3(0, 0, 2)));

@@ -82,7 +82,6 @@ TEST_F(SolverErrors, SettingsAreChecked) {
   support::expect_refusal(ErrorCause::BadParameter, [&] { Prepared(mesh, region, settings); });
 }
 
-/// Fails if a pose beyond all numbers leaves something behind, also where it is the first one.
 TEST_F(SolverErrors, StaysUsableAfterARefusedSolve) {
   Prepared solver(mesh, region, {});
   const std::vector<HandleMotion> good = {support::shift(Vector3(0, 0, 0.3)), support::shift(Vector3(0, 0, 0.2))};

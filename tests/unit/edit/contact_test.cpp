@@ -28,24 +28,18 @@ struct Bar {
   }
 };
 
-struct Solver : StepSolver {
-  Solver(const Bar& bar, bool contact, int threads = 0)
-      : StepSolver(bar.mesh,
-                   find_region(bar.mesh, build_adjacency(static_cast<int>(bar.mesh.vertices.rows()), bar.mesh.faces),
-                               support::component(), bar.handles),
-                   with(contact), {StoredScalar::Double, {}, {threads}}) {
-    prepare(bar.mesh);
-  }
-  static EditSettings with(bool contact) {
-    EditSettings settings;
-    settings.contact = contact;
-    return settings;
-  }
-};
+support::Prepared solver(const Bar& bar, bool contact, int threads = 0) {
+  EditSettings settings;
+  settings.contact = contact;
+  return {bar.mesh,
+          support::region_of(bar.mesh, support::component(), bar.handles),
+          settings,
+          {StoredScalar::Double, {}, {threads}}};
+}
 
 TEST(Contact, PosesThatCrossNothingKeepTheirBits) {
   const Bar bar;
-  Solver plain(bar, false), contact(bar, true);
+  auto plain = solver(bar, false), contact = solver(bar, true);
   for (const double degrees : {0.0, 30.0, 90.0}) {
     EXPECT_TRUE(support::same_bits(plain.pose(bar.bent(degrees)), contact.pose(bar.bent(degrees)))) << degrees;
     ASSERT_TRUE(contact.report().contact.has_value());
@@ -56,7 +50,7 @@ TEST(Contact, PosesThatCrossNothingKeepTheirBits) {
 
 TEST(Contact, BitsDependNeitherOnThreadsNorOnEarlierPoses) {
   const Bar bar;
-  Solver one(bar, true, 1), three(bar, true, 3);
+  auto one = solver(bar, true, 1), three = solver(bar, true, 3);
   const Points first = one.pose(bar.bent(178));
   EXPECT_GT(one.report().contact->pairs, 0);
   three.pose(bar.bent(120));
@@ -66,7 +60,7 @@ TEST(Contact, BitsDependNeitherOnThreadsNorOnEarlierPoses) {
 
 TEST(Contact, FramesArePlainAndEndWithThePose) {
   const Bar bar;
-  Solver plain(bar, false), contact(bar, true);
+  auto plain = solver(bar, false), contact = solver(bar, true);
   Points frame, other;
   plain.frame(bar.bent(178), frame);
   contact.frame(bar.bent(178), other);
@@ -80,7 +74,7 @@ TEST(Contact, FramesArePlainAndEndWithThePose) {
 /// Took minutes and gigabytes.
 TEST(Contact, MotionsFarBeyondTheMeshEndSoonAndSaySo) {
   const Bar bar;
-  Solver contact(bar, true);
+  auto contact = solver(bar, true);
   const Affine far = support::rigid(178, {0, 0, 1}, {-3e4, 1e3, 0}, {15, 2, 2});
   EXPECT_TRUE(contact.pose({Affine::Identity(), far}).allFinite());
   ASSERT_TRUE(contact.report().contact.has_value());
@@ -90,7 +84,7 @@ TEST(Contact, MotionsFarBeyondTheMeshEndSoonAndSaySo) {
 
 TEST(Contact, CancelledPosesLeaveTheSolverUsable) {
   const Bar bar;
-  Solver contact(bar, true);
+  auto contact = solver(bar, true);
   const Points whole = contact.pose(bar.bent(178));
   int stages = 0;
   const Progress stop = [&](double, const char* stage) { return std::string(stage) != "contact" || ++stages < 4; };

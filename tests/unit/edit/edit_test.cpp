@@ -15,17 +15,6 @@
 namespace lapedit::edit_test {
 namespace {
 
-constexpr int kRows = 30, kColumns = 20;
-constexpr int kMiddle = 15 * kColumns + 10;
-
-TriangleMesh test_mesh() {
-  TriangleMesh mesh = shapes::grid(kRows, kColumns);
-  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {  // numbers that a float cannot hold
-    mesh.vertices.row(v) += Vector3(0.1, 1.0 / 3, 0.05 * std::sin(static_cast<double>(v))).transpose();
-  }
-  return mesh;
-}
-
 EditStep pull(std::vector<int> vertices, const Vector3& way, double radius = 8) {
   EditStep step;
   step.region.radius = radius;
@@ -33,18 +22,6 @@ EditStep pull(std::vector<int> vertices, const Vector3& way, double radius = 8) 
   step.handles[0].vertices = std::move(vertices);
   step.handles[0].transform.translation = way;
   return step;
-}
-
-Edit edit_of(std::vector<EditStep> steps) {
-  Edit edit;
-  edit.steps = std::move(steps);
-  return edit;
-}
-
-/// The whole mesh after an edit.
-Points applied(const TriangleMesh& mesh, const Edit& edit, double fraction = 1,
-               StoredScalar scalar = StoredScalar::Double) {
-  return support::edited(mesh, apply_edit(mesh, edit, fraction, scalar));
 }
 
 TEST(Edit, CentroidIsTheMeanOfVerticesOfTheMesh) {
@@ -59,24 +36,12 @@ TEST(Edit, CentroidIsTheMeanOfVerticesOfTheMesh) {
   support::expect_refusal(ErrorCause::BadIndex, [&] { centroid(points, {-1, 0}); });
 }
 
-const std::vector<double> kFractions = {0.25, 1, 0, 0.5};
-
-/// Several steps, with regions that meet.
-std::vector<EditStep> several_steps(LaplacianKind laplacian) {
-  std::vector<EditStep> steps = {pull({kMiddle}, {0, 0, 3}), pull({kMiddle + 3, kMiddle + 4}, {1, 0, 1}, 5),
-                                 pull({kMiddle}, {0, 1, -1}, 6)};
-  steps[1].handles[0].transform.degrees = 50;
-  for (EditStep& step : steps) {
-    step.settings.laplacian = laplacian;
-  }
-  return steps;
-}
-
-/// Fails if results are collected, which take the memory of a mesh each.
 TEST(Edit, PosesAreGivenOneByOne) {
-  const TriangleMesh mesh = test_mesh();
-  const Edit edit = edit_of(several_steps(LaplacianKind::Cotangent));
-  const auto count = static_cast<double>(kFractions.size());
+  const TriangleMesh mesh = shapes::grid(30, 20);
+  const std::vector<double> fractions = {0.25, 1, 0, 0.5};
+  Edit edit;
+  edit.steps = {pull({310}, {0, 0, 3}), pull({313, 314}, {1, 0, 1}, 5), pull({310}, {0, 1, -1}, 6)};
+  const auto count = static_cast<double>(fractions.size());
   double done = 0;
   std::size_t poses = 0;
   const auto each = [&](EditResult&& pose) {
@@ -88,14 +53,14 @@ TEST(Edit, PosesAreGivenOneByOne) {
     done = fraction;
     return true;
   };
-  apply_edit(mesh, support::adjacency_of(mesh), edit, {}, kFractions, each, StoredScalar::Double, progress);
-  EXPECT_EQ(poses, kFractions.size());
+  apply_edit(mesh, support::adjacency_of(mesh), edit, {}, fractions, each, StoredScalar::Double, progress);
+  EXPECT_EQ(poses, fractions.size());
 }
 
 TEST(Edit, FractionOutsideZeroToOneIsRefused) {
   for (const double fraction : {-0.1, 1.25, std::nan("")}) {
     support::expect_refusal(ErrorCause::BadParameter, [&] {
-      applied(test_mesh(), edit_of({pull({kMiddle}, {0, 0, 3})}), fraction);
+      support::apply_step(shapes::grid(30, 20), pull({310}, {0, 0, 3}), fraction);
     });
   }
 }
@@ -106,9 +71,11 @@ std::map<std::string, int> calls_of(EditStep step, int n, int* all = nullptr, in
   step.region.kind = RegionSpec::Kind::Component;
   step.handles = pull({n * n / 2 + n / 2}, {0, 0, 3}).handles;
   step.handles.push_back(pull({0}, {0, 0, 0}).handles.front());  // or else all would move alike, without a solve
+  Edit edit;
+  edit.steps = {step};
   std::map<std::string, int> calls;
   int count = 0;
-  apply_edit(mesh, edit_of({step}), 1, StoredScalar::Double,
+  apply_edit(mesh, edit, 1, StoredScalar::Double,
              [&](double, const char* stage) {
                ++calls[stage];
                if (all) {
@@ -148,7 +115,6 @@ TEST(Edit, AsksAsOftenAsItsWorkGrows) {
   }
 }
 
-/// Fails if a call that ends the edit is followed by another, or the edit is not refused.
 TEST(Edit, EndsAtEachCallOfEachKind) {
   constexpr int kSize = 40;
   for (const EditStep& step : steps_of_all_kinds()) {

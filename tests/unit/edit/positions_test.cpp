@@ -20,16 +20,14 @@ namespace {
 
 using support::expect_contains;
 
-TriangleMesh ball(int levels) {
-  return shapes::icosphere(levels);
+const TriangleMesh kBall = shapes::icosphere(3);
+
+Vector3 position(int vertex) {
+  return position_of(kBall.vertices, vertex);
 }
 
-Vector3 position(const TriangleMesh& mesh, int vertex) {
-  return mesh.vertices.row(vertex).transpose();
-}
-
-Edit located_on(const TriangleMesh& mesh, const Edit& edit, const SelectedVertices& selection = {}) {
-  return located(mesh, support::adjacency_of(mesh), edit, selection);
+Edit located_on_ball(const Edit& edit, const SelectedVertices& selection = {}) {
+  return located(kBall, support::adjacency_of(kBall), edit, selection);
 }
 
 /// An edit of one group.
@@ -48,57 +46,53 @@ HandleGroup points_of(std::vector<Vector3> points, std::vector<Vector3> targets 
   return group;
 }
 
-std::string refusal(ErrorCause cause, const TriangleMesh& mesh, const Edit& edit,
-                    const SelectedVertices& selection = {}) {
-  return support::expect_refusal(cause, [&] { located_on(mesh, edit, selection); });
+std::string refusal(ErrorCause cause, const Edit& edit, const SelectedVertices& selection = {}) {
+  return support::expect_refusal(cause, [&] { located_on_ball(edit, selection); });
 }
 
 TEST(VertexQuery, ArePointsDiscsAndSelections) {
-  const TriangleMesh mesh = ball(3);
-  const Edit points = located_on(mesh, edit_of(points_of({1.01 * position(mesh, 40), position(mesh, 7)})));
+  const Edit points = located_on_ball(edit_of(points_of({1.01 * position(40), position(7)})));
   EXPECT_EQ(points.steps[0].handles[0].vertices, (std::vector<int>{40, 7}));
   EXPECT_TRUE(points.steps[0].handles[0].query.empty());
 
   Edit disc = edit_of({});
-  disc.steps[0].handles[0].query.within = VertexQuery::Disc{0.99 * position(mesh, 12), 0.3};
+  disc.steps[0].handles[0].query.within = VertexQuery::Disc{0.99 * position(12), 0.3};
   disc.steps[0].region.kind = RegionSpec::Kind::Vertices;
-  disc.steps[0].region_query.within = VertexQuery::Disc{position(mesh, 12), 0.6};
-  const Edit found = located_on(mesh, disc);
-  const Adjacency around = support::adjacency_of(mesh);
-  EXPECT_EQ(found.steps[0].handles[0].vertices, vertices_within(mesh, around, 12, 0.3));
-  EXPECT_EQ(found.steps[0].region.vertices, vertices_within(mesh, around, 12, 0.6));
+  disc.steps[0].region_query.within = VertexQuery::Disc{position(12), 0.6};
+  const Edit found = located_on_ball(disc);
+  const Adjacency around = support::adjacency_of(kBall);
+  EXPECT_EQ(found.steps[0].handles[0].vertices, vertices_within(kBall, around, 12, 0.3));
+  EXPECT_EQ(found.steps[0].region.vertices, vertices_within(kBall, around, 12, 0.6));
 
   Edit selected = edit_of({});
   selected.steps[0].handles[0].query.selected = true;
   selected.steps[0].region_query.selected = true;
   const SelectedVertices both = {{3}, {1, 2, 3}};
-  EXPECT_EQ(located_on(mesh, selected, both).steps[0].handles[0].vertices, both.vertices);
-  EXPECT_EQ(located_on(mesh, selected, both).steps[0].region.vertices, both.of_faces);
-  EXPECT_EQ(located_on(mesh, selected, {{}, {1, 2}}).steps[0].handles[0].vertices, (std::vector<int>{1, 2}));
-  EXPECT_EQ(located_on(mesh, selected, {{5}, {}}).steps[0].region.vertices, std::vector<int>{5});
-  expect_contains(refusal(ErrorCause::NoHandle, mesh, selected), "No vertex and no face is selected");
+  EXPECT_EQ(located_on_ball(selected, both).steps[0].handles[0].vertices, both.vertices);
+  EXPECT_EQ(located_on_ball(selected, both).steps[0].region.vertices, both.of_faces);
+  EXPECT_EQ(located_on_ball(selected, {{}, {1, 2}}).steps[0].handles[0].vertices, (std::vector<int>{1, 2}));
+  EXPECT_EQ(located_on_ball(selected, {{5}, {}}).steps[0].region.vertices, std::vector<int>{5});
+  expect_contains(refusal(ErrorCause::NoHandle, selected), "No vertex and no face is selected");
 }
 
 /// A landmark is seldom at a vertex: the vertex moves as it does. At a vertex the target is met to the bit.
 TEST(VertexQuery, VerticesMoveAsTheirPoints) {
-  const TriangleMesh mesh = ball(3);
   const Vector3 off(0.004, -0.003, 0.002), way(0.1, 1.0 / 3, -0.2);
-  const Edit edit = located_on(
-      mesh, edit_of(points_of({position(mesh, 40) + off, position(mesh, 7)}, {position(mesh, 40) + off + way, way})));
-  EXPECT_LT((edit.steps[0].handles[0].targets[0] - position(mesh, 40) - way).norm(), 1e-15);
+  const Edit edit =
+      located_on_ball(edit_of(points_of({position(40) + off, position(7)}, {position(40) + off + way, way})));
+  EXPECT_LT((edit.steps[0].handles[0].targets[0] - position(40) - way).norm(), 1e-15);
   EXPECT_EQ(edit.steps[0].handles[0].targets[1], way);
 }
 
 TEST(VertexQuery, PointsThatAreNotFiniteAndVerticesWithoutPositionAreRefused) {
-  const TriangleMesh mesh = ball(3);
-  HandleGroup group = points_of({position(mesh, 40), Vector3(0, std::nan(""), 0)});
+  HandleGroup group = points_of({position(40), Vector3(0, std::nan(""), 0)});
   group.names = {"nose", "chin"};
-  expect_contains(refusal(ErrorCause::NotFinite, mesh, edit_of(group)), "Landmark \"chin\" is not finite");
+  expect_contains(refusal(ErrorCause::NotFinite, edit_of(group)), "Landmark \"chin\" is not finite");
   group = {};
   group.vertices = {40};
-  Edit edit = with_positions(mesh, support::adjacency_of(mesh), edit_of(group));
+  Edit edit = with_positions(kBall, support::adjacency_of(kBall), edit_of(group));
   edit.steps[0].handles[0].vertices.push_back(641);
-  expect_contains(refusal(ErrorCause::MeshMismatch, mesh, edit), "is not among mesh.positions");
+  expect_contains(refusal(ErrorCause::MeshMismatch, edit), "is not among mesh.positions");
 }
 
 }  // namespace

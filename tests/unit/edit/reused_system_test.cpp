@@ -59,7 +59,6 @@ void expect_same(const std::string& what, const Job& before, const Job& job) {
   }
 }
 
-/// Fails if nothing is reused: all else would come out the same, only later.
 TEST(ReusedSystem, SmallHandlesFindTheFactorReady) {
   const Job before;
   Job job, patch;
@@ -106,7 +105,6 @@ TEST(ReusedSystem, OnlyWhatFitsIsShared) {
   EXPECT_EQ(plain->matrix, first->matrix);
 }
 
-/// Fails if something is reused that does not fit, or is left from before.
 TEST(ReusedSystem, OtherHandlesComeOutTheSame) {
   for (const LaplacianKind laplacian : {LaplacianKind::Umbrella, LaplacianKind::Cotangent}) {
     for (const EditMethod method : {EditMethod::Linear, EditMethod::Paper, EditMethod::Default}) {
@@ -162,7 +160,6 @@ TEST(ReusedSystem, OtherShapesComeOutTheSame) {
   }
 }
 
-/// Fails if a setting that something was made for is not compared.
 TEST(ReusedSystem, OtherSettingsComeOutTheSame) {
   std::vector<EditSettings> all(4, EditSettings());
   all[1].laplacian = LaplacianKind::Cotangent;

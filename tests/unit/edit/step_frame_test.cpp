@@ -72,12 +72,9 @@ Scene loose() {
 /// A target for each of many vertices.
 Scene landmarks() {
   const TriangleMesh mesh = shapes::letter_field(60, 30);
-  std::vector<int> marks;
-  for (int v = 0; v < mesh.vertices.rows(); v += 37) {
-    if ((mesh.vertices.row(v) - Eigen::RowVector3d(2, 1, 0)).norm() < 0.6) {
-      marks.push_back(v);
-    }
-  }
+  const std::vector<int> marks = support::where(mesh.vertices.rows(), [&](int v) {
+    return v % 37 == 0 && (mesh.vertices.row(v) - Eigen::RowVector3d(2, 1, 0)).norm() < 0.6;
+  });
   Scene s = scene("landmarks", mesh, 0.4, {marks}, {HandleMotion()});
   s.maps[0].targets = support::rows(mesh.vertices, marks);
   for (Eigen::Index k = 0; k < s.maps[0].targets.rows(); ++k) {
@@ -208,7 +205,6 @@ TEST(StepFrame, RestedFrameIsNearTheReleasedPose) {
   }
 }
 
-/// Fails if a frame has other rotations than the cells say, or more passes than a pose.
 TEST(StepFrame, GoThroughThePassesOfAPose) {
   for (const Scene& s : scenes()) {
     EditSettings settings = with(EditMethod::Default);
@@ -252,7 +248,6 @@ TEST(StepFrame, ScaleAndPositionDoNotMatter) {
   }
 }
 
-/// Fails if a frame leaves something behind, or rounding moves what nobody moved.
 TEST(StepFrame, NotMovedIsNotMovedToTheBit) {
   for (const Scene& s : scenes()) {
     for (const auto& [method, prepares] : kSources) {
@@ -366,7 +361,6 @@ TEST(StepFrame, PaperHasNoneBesideASystem) {
   EXPECT_FALSE(solver.refine(frame));
 }
 
-/// Fails if a map that is not finite gets through, or spoils the frames that come after it.
 TEST(StepFrame, StrangeMapsAreRefusedOrFollowed) {
   for (const Scene& s : {letters(), patches()}) {
     for (const auto& [method, prepares] : kSources) {

@@ -61,7 +61,6 @@ const std::vector<NamedGraph>& large_graphs() {
   return all;
 }
 
-/// Fails if small graphs are given an order, which costs more than it gains.
 TEST(EliminationOrder, SmallGraphsNeedNone) {
   EXPECT_TRUE(fill_reducing_ordering(CompressedRows(), 1).empty());
   EXPECT_TRUE(fill_reducing_ordering(support::lone_vertices(1).neighbours(), 1).empty());
@@ -116,7 +115,6 @@ TEST(EliminationOrder, VertexWithThousandsOfNeighboursComesLastAndChangesNoOther
   EXPECT_EQ(order, without);
 }
 
-/// Fails if a caller that wants to cancel waits for the whole order, or gets one that was not finished.
 TEST(EliminationOrder, CanBeCancelledBetweenPieces) {
   const CompressedRows graph = surface(Surface::Plane, 250, 200).neighbours();
   const std::vector<int> order = fill_reducing_ordering(graph, 1);
@@ -151,7 +149,6 @@ TEST(EliminationOrder, FillsHardlyMoreThanMinimumDegreeOrLess) {
   EXPECT_LT(fill(surface(Surface::Tube, 120, 260)), 1.2);
 }
 
-/// Fails if the factorisation ignores an order, or reads it the other way round.
 TEST(EliminationOrder, IsTheOneTheFactorHas) {
   constexpr int kSize = 300;
   // A star: eliminating its centre first fills the whole factor, eliminating it last fills nothing.

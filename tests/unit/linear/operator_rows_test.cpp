@@ -24,29 +24,26 @@ using support::random_points;
 using support::Surface;
 using support::surface;
 
-class OperatorRowsOn : public ::testing::TestWithParam<Graph (*)()> {
- protected:
-  /// Both operators and their squares.
-  static std::vector<SparseMatrix> operators() {
-    std::vector<SparseMatrix> all;
+/// The large ones are cut into several pieces, the one with lone vertices has empty rows.
+std::vector<Graph> graphs() {
+  return {surface(Surface::Plane, 80, 40, true), surface(Surface::Torus, 12, 14, true),
+          surface(Surface::Tube, 30, 110, true), together(surface(Surface::Plane, 50, 60), support::lone_vertices(5)),
+          together(surface(Surface::Plane, 6, 7), surface(Surface::Plane, 4, 3))};
+}
+
+/// Both operators of all graphs and their squares.
+std::vector<SparseMatrix> operators() {
+  std::vector<SparseMatrix> all;
+  for (const Graph& graph : graphs()) {
     for (const bool uneven : {false, true}) {
-      all.push_back(support::laplacian(GetParam()(), uneven).matrix);
+      all.push_back(support::laplacian(graph, uneven).matrix);
       all.push_back(all.back() * all.back());
     }
-    return all;
   }
-};
-// The large ones are cut into several pieces, the one with lone vertices has empty rows.
-INSTANTIATE_TEST_SUITE_P(
-    Graphs, OperatorRowsOn,
-    ::testing::Values([] { return surface(Surface::Plane, 80, 40, true); },
-                      [] { return surface(Surface::Torus, 12, 14, true); },
-                      [] { return surface(Surface::Tube, 30, 110, true); },
-                      [] { return together(surface(Surface::Plane, 50, 60), support::lone_vertices(5)); },
-                      [] { return together(surface(Surface::Plane, 6, 7), surface(Surface::Plane, 4, 3)); }));
+  return all;
+}
 
-/// Fails if rows and columns are mixed up, or a piece of the rows is left out.
-TEST_P(OperatorRowsOn, MultipliesAsEigenDoes) {
+TEST(OperatorRows, MultipliesAsEigenDoes) {
   ThreadPool pool(2);
   for (const SparseMatrix& matrix : operators()) {
     const OperatorRows rows(matrix);
@@ -62,9 +59,7 @@ TEST_P(OperatorRowsOn, MultipliesAsEigenDoes) {
   }
 }
 
-/// Fails if an entry of the product is missing, doubled, out of order or in the upper half, or the diagonal is not
-/// added.
-TEST_P(OperatorRowsOn, NormalMatrixIsTheProduct) {
+TEST(OperatorRows, NormalMatrixIsTheProduct) {
   ThreadPool pool(2);
   for (const SparseMatrix& matrix : operators()) {
     const Eigen::VectorXd diagonal = random_points(matrix.cols(), 2).col(1).cwiseAbs();
@@ -86,8 +81,7 @@ TEST_P(OperatorRowsOn, NormalMatrixIsTheProduct) {
   }
 }
 
-/// Fails if the order of sums depends on how the work is divided.
-TEST_P(OperatorRowsOn, ThreadsDoNotChangeABit) {
+TEST(OperatorRows, ThreadsDoNotChangeABit) {
   ThreadPool one(1), two(2), three(3);
   for (const SparseMatrix& matrix : operators()) {
     const OperatorRows rows(matrix);
@@ -107,33 +101,34 @@ TEST_P(OperatorRowsOn, ThreadsDoNotChangeABit) {
   }
 }
 
-/// Fails if the stretch is added to the rows as well, to the wrong side, or left out of the product.
-TEST_P(OperatorRowsOn, StretchIsAddedToTheTransposedAlone) {
-  const support::TestOperator op = support::laplacian(GetParam()(), true);
-  const Eigen::VectorXd stretch = 0.37 * op.sums;
-  const OperatorRows rows(op.matrix, stretch);
-  ThreadPool one(1), two(2);
-  const Points x = random_points(op.matrix.cols(), 5);
-  Points out, other;
-  rows.apply(x, out, two);
-  OperatorRows(op.matrix).apply(x, other, two);
-  EXPECT_TRUE(support::same_bits(out, other));
-  rows.apply_left_factor(x, out, two);
-  const Points expected = op.matrix.transpose() * x + stretch.asDiagonal() * x;
-  EXPECT_LT((out - expected).norm(), 1e-14 * expected.norm());
-  EXPECT_GT((out - op.matrix.transpose() * x).norm(), 0.1 * expected.norm());
+TEST(OperatorRows, StretchIsAddedToTheTransposedAlone) {
+  for (const Graph& graph : graphs()) {
+    const support::TestOperator op = support::laplacian(graph, true);
+    const Eigen::VectorXd stretch = 0.37 * op.sums;
+    const OperatorRows rows(op.matrix, stretch);
+    ThreadPool one(1), two(2);
+    const Points x = random_points(op.matrix.cols(), 5);
+    Points out, other;
+    rows.apply(x, out, two);
+    OperatorRows(op.matrix).apply(x, other, two);
+    EXPECT_TRUE(support::same_bits(out, other));
+    rows.apply_left_factor(x, out, two);
+    const Points expected = op.matrix.transpose() * x + stretch.asDiagonal() * x;
+    EXPECT_LT((out - expected).norm(), 1e-14 * expected.norm());
+    EXPECT_GT((out - op.matrix.transpose() * x).norm(), 0.1 * expected.norm());
 
-  const Eigen::VectorXd diagonal = random_points(op.matrix.cols(), 6).col(2).cwiseAbs();
-  const SparseMatrix normal = rows.normal_matrix(diagonal, two);
-  SparseMatrix whole = SparseMatrix(op.matrix.transpose()) * op.matrix;
-  whole += SparseMatrix(stretch.asDiagonal() * op.matrix);
-  for (int j = 0; j < whole.cols(); ++j) {
-    whole.coeffRef(j, j) += diagonal[j];
+    const Eigen::VectorXd diagonal = random_points(op.matrix.cols(), 6).col(2).cwiseAbs();
+    const SparseMatrix normal = rows.normal_matrix(diagonal, two);
+    SparseMatrix whole = SparseMatrix(op.matrix.transpose()) * op.matrix;
+    whole += SparseMatrix(stretch.asDiagonal() * op.matrix);
+    for (int j = 0; j < whole.cols(); ++j) {
+      whole.coeffRef(j, j) += diagonal[j];
+    }
+    EXPECT_LT((whole - SparseMatrix(whole.transpose())).norm(), 1e-13 * whole.norm()) << "or half of it is not enough";
+    const SparseMatrix lower = whole.triangularView<Eigen::Lower>();
+    EXPECT_LT((normal - lower).norm(), 1e-14 * lower.norm());
+    EXPECT_TRUE(same_matrix(rows.normal_matrix(diagonal, one), normal));
   }
-  EXPECT_LT((whole - SparseMatrix(whole.transpose())).norm(), 1e-13 * whole.norm()) << "or half of it is not enough";
-  const SparseMatrix lower = whole.triangularView<Eigen::Lower>();
-  EXPECT_LT((normal - lower).norm(), 1e-14 * lower.norm());
-  EXPECT_TRUE(same_matrix(rows.normal_matrix(diagonal, one), normal));
 }
 
 }  // namespace

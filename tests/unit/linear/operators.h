@@ -86,6 +86,15 @@ inline Graph together(const Graph& a, const Graph& b) {
   return graph;
 }
 
+/// A ring of vertices around the last one.
+inline Graph wheel(int spokes) {
+  Graph graph = together(surface(Surface::Tube, spokes, 1), lone_vertices(1));
+  for (int k = 0; k < spokes; ++k) {
+    graph.edges.emplace_back(spokes, k);
+  }
+  return graph;
+}
+
 /// The same graph: vertex v gets the number new_number[v].
 inline Graph renumbered(Graph graph, const std::vector<int>& new_number) {
   const Points points = graph.points;

@@ -17,13 +17,14 @@ const std::vector<double> kWeights = {100, 1, 25, 4};
 /// M of a tube that is held along some of its lines, and M^T M + W^2 with and without some rows of W.
 struct Problem {
   support::Graph graph;
-  std::shared_ptr<ThreadPool> pool = std::make_shared<ThreadPool>(2);
+  std::shared_ptr<ThreadPool> pool;
   std::shared_ptr<const OperatorRows> m = std::make_shared<const OperatorRows>(support::laplacian(graph).matrix);
   Eigen::VectorXd known = Eigen::VectorXd::Zero(graph.size()), all;
   Points right;
   Eigen::MatrixXd dense, dense_known;
 
-  explicit Problem(support::Graph of = support::surface(support::Surface::Tube, 12, 20)) : graph(std::move(of)) {
+  explicit Problem(support::Graph of = support::surface(support::Surface::Tube, 12, 20), int threads = 2)
+      : graph(std::move(of)), pool(std::make_shared<ThreadPool>(threads)) {
     known.head(24).setConstant(9);
     all = known;
     for (std::size_t c = 0; c < kRows.size(); ++c) {
@@ -42,10 +43,11 @@ struct Problem {
     options.single_precision = single;
     return std::make_shared<const FactoredNormalMatrix>(m, weights, options);
   }
-  std::shared_ptr<const WoodburyCorrection> correction(
-      const std::shared_ptr<const FactoredNormalMatrix>& matrix) const {
+  std::shared_ptr<const WoodburyCorrection> correction(const std::shared_ptr<const FactoredNormalMatrix>& matrix,
+                                                       double accuracy = 1e-8, bool with_rows = true) const {
     RefinedSolver solver(matrix, nullptr, pool);
-    auto made = woodbury_correction(solver, all.size(), kRows, kWeights, 1e-8, 8);
+    auto made = woodbury_correction(solver, all.size(), with_rows ? kRows : std::vector<int>(),
+                                    with_rows ? kWeights : std::vector<double>(), accuracy, accuracy < 1e-8 ? 40 : 8);
     EXPECT_TRUE(made.has_value());
     return std::make_shared<const WoodburyCorrection>(*made);
   }
@@ -76,7 +78,6 @@ TEST(RefinedSolver, AgreesWithADenseSolve) {
   }
 }
 
-/// Fails if the correction forgets a row or a weight.
 TEST(RefinedSolver, CorrectedFactorGivesTheBitsOfAFactorThatKnowsAllRows) {
   const Problem p;
   const auto known = p.factored(p.known);
@@ -88,12 +89,8 @@ TEST(RefinedSolver, CorrectedFactorGivesTheBitsOfAFactorThatKnowsAllRows) {
 
 /// The middle of a fan: the square of its neighbours' number is neither in the matrix nor in the factor.
 TEST(RefinedSolver, LongRowIsCorrectedInsteadOfFactored) {
-  support::Graph wheel =
-      together(support::surface(support::Surface::Tube, kLongRow + 100, 1), support::lone_vertices(1));
+  const support::Graph wheel = support::wheel(kLongRow + 100);
   const int hub = wheel.size() - 1;
-  for (int v = 0; v < hub; ++v) {
-    wheel.edges.emplace_back(v, hub);
-  }
   Problem p(wheel);
   EXPECT_EQ(p.m->long_rows(), std::vector<int>{hub});
   EXPECT_LT(p.m->normal_matrix(p.known, *p.pool, {hub}).nonZeros(), 8 * hub);
@@ -128,7 +125,6 @@ TEST(RefinedSolver, CorrectionThatTakesTooManyStepsIsNone) {
   EXPECT_FALSE(woodbury_correction(solver, p.all.size(), kRows, kWeights, 1e-8, 0).has_value());
 }
 
-/// Fails if solvers that share matrix and correction share scratch.
 TEST(RefinedSolver, SolversThatShareAMatrixWorkAtATime) {
   const Problem p;
   const auto matrix = p.factored(p.known, true);
@@ -148,6 +144,46 @@ TEST(RefinedSolver, SolversThatShareAMatrixWorkAtATime) {
   for (const Points& x : found) {
     EXPECT_TRUE(support::same_bits(x, expected));
   }
+}
+
+SparseMatrix vectors(Eigen::Index size, const std::vector<std::vector<int>>& rows) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    for (const int row : rows[k]) {
+      entries.emplace_back(row, static_cast<int>(k), 0.3 + row % 5 - 0.1 * static_cast<double>(k));
+    }
+  }
+  SparseMatrix c(size, static_cast<Eigen::Index>(rows.size()));
+  c.setFromTriplets(entries.begin(), entries.end());
+  return c;
+}
+
+void expect_products(const support::Graph& graph, bool with_rows) {
+  for (const bool single : {false, true}) {
+    std::vector<Eigen::MatrixXd> found;
+    for (const int threads : {1, 3}) {
+      const Problem p(graph, threads);
+      const auto matrix = p.factored(p.known, single);
+      const bool corrected = with_rows || !matrix->long_rows.empty();
+      InverseProducts products(matrix, corrected ? p.correction(matrix, 1e-10, with_rows) : nullptr, p.pool);
+      const SparseMatrix c =
+          vectors(graph.size(), {{5}, {}, {77, 78, 79, 239}, {113, 30}, {3, 120, 0}, {150, 151, 152}});
+      if (threads > 1) {
+        products(vectors(graph.size(), {{0, 1, 2}, {77}, {30, 200, 113}}));
+      }
+      const Eigen::MatrixXd expected = c.transpose() * (with_rows ? p.dense : p.dense_known).inverse() * c;
+      found.push_back(products(c));
+      EXPECT_LT((found.back() - expected).norm(), (single ? 1e-4 : 1e-9) * expected.norm());
+      EXPECT_TRUE(found.back() == found.front()) << "the bits depend on threads or earlier calls";
+      EXPECT_EQ(products(SparseMatrix(graph.size(), 0)).size(), 0);
+    }
+  }
+}
+
+TEST(InverseProducts, AgreeWithADenseInverse) {
+  expect_products(support::surface(support::Surface::Tube, 12, 20), false);
+  expect_products(support::surface(support::Surface::Tube, 12, 20), true);
+  expect_products(support::wheel(kLongRow + 100), true);
 }
 
 }  // namespace

@@ -109,7 +109,6 @@ TEST(SparseCholesky, SolvesInPlace) {
   EXPECT_TRUE(in_place == apart);
 }
 
-/// Fails if a copy does not share the factor, or works in the other's scratch.
 TEST(SparseCholesky, CopiesSolveAtATimeAndOutliveTheOther) {
   const SparseMatrix matrix = grid_laplacian(90, 70, 1e-3);
   const Points rhs = random_points(90 * 70, 1);
@@ -141,22 +140,24 @@ TEST(SparseCholesky, CopiesSolveAtATimeAndOutliveTheOther) {
 
 TEST(SparseCholesky, MatricesThatAreNotPositiveDefiniteAreRefused) {
   const SparseMatrix good = grid_laplacian(10, 10, 1);
-  std::vector<std::pair<const char*, SparseMatrix>> bad;
-  bad.emplace_back("indefinite", grid_laplacian(10, 10, -0.5));
-  bad.emplace_back("negative", -good);
-  bad.emplace_back("zero", 0 * good);
-  bad.emplace_back("no entries", SparseMatrix(100, 100));
-  bad.emplace_back("empty row", good);
-  bad.back().second.prune([](int row, int column, double) { return row != 40 && column != 40; });
-  bad.emplace_back("one negative", good);
-  bad.back().second.coeffRef(99, 99) = -1e-3;
-  bad.emplace_back("NaN on the diagonal", good);
-  bad.back().second.coeffRef(50, 50) = std::nan("");
-  bad.emplace_back("NaN off the diagonal", good);
-  bad.back().second.coeffRef(51, 50) = std::nan("");
-  bad.emplace_back("infinite", good);
-  bad.back().second.coeffRef(51, 50) = std::numeric_limits<double>::infinity();
-  bad.emplace_back("singular", grid_laplacian(100, 1, 0));  // a path: its pivots are 1, 1, ..., 1, 0 without rounding
+  const auto with = [&good](int row, int column, double value) {
+    SparseMatrix changed = good;
+    changed.coeffRef(row, column) = value;
+    return changed;
+  };
+  SparseMatrix empty_row = good;
+  empty_row.prune([](int row, int column, double) { return row != 40 && column != 40; });
+  const std::pair<const char*, SparseMatrix> bad[] = {
+      {"indefinite", grid_laplacian(10, 10, -0.5)},
+      {"negative", -good},
+      {"zero", 0 * good},
+      {"no entries", SparseMatrix(100, 100)},
+      {"empty row", empty_row},
+      {"one negative", with(99, 99, -1e-3)},
+      {"NaN on the diagonal", with(50, 50, std::nan(""))},
+      {"NaN off the diagonal", with(51, 50, std::nan(""))},
+      {"infinite", with(51, 50, std::numeric_limits<double>::infinity())},
+      {"singular", grid_laplacian(100, 1, 0)}};  // a path: its pivots are 1, 1, ..., 1, 0 without rounding
   for (const auto& [what, matrix] : bad) {
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
@@ -168,7 +169,6 @@ TEST(SparseCholesky, MatricesThatAreNotPositiveDefiniteAreRefused) {
   EXPECT_EQ(refusal(good), ErrorCause::Cancelled);
 }
 
-/// Fails if a front takes over its children's rows in another order, or before they are done.
 TEST(SparseCholesky, ThreadsDoNotChangeABit) {
   const SparseMatrix matrix = grid_laplacian(120, 90, 1e-3);
   const Points rhs = random_points(120 * 90, 8);

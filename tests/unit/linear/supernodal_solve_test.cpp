@@ -139,8 +139,6 @@ class SupernodalSolve : public ::testing::Test {
 using Scalars = ::testing::Types<double, float>;
 TYPED_TEST_SUITE(SupernodalSolve, Scalars, );  // clang wants the empty argument
 
-/// Fails on any tile, panel, row list or branch that is read wrongly, if the order of sums depends on who finishes
-/// first, or if a solve leaves something behind for the next.
 TYPED_TEST(SupernodalSolve, AgreesWithADenseSolveToTheSameBitsForAnyNumberOfThreads) {
   for (const Factor& factor : factors()) {
     ThreadPool one(1);
@@ -185,7 +183,6 @@ TEST(SupernodalSolver, TinyEntriesAreNothingInSinglePrecision) {
   }
 }
 
-/// Fails if the factor in single precision is worse than rounding makes it, or the right-hand side's scale matters.
 TEST(SparseCholeskySingle, PrecisionNeedsOneStepOfRefinement) {
   const SparseMatrix lower = support::system_of(support::surface(support::Surface::Torus, 20, 25));
   const SparseMatrix matrix = lower.selfadjointView<Eigen::Lower>();

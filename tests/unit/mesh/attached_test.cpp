@@ -110,11 +110,7 @@ TEST_P(Sizes, PieceOfAGivenSetComesAlongIfItIsWholeInIt) {
   const TriangleMesh mesh = sized(with_ball(head, 0.15, 0.8 * Vector3::UnitZ()));
   RegionSpec given = spec(1.5);
   given.kind = RegionSpec::Kind::Vertices;
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    if (mesh.vertices(v, 2) > 0.2 * size()) {
-      given.vertices.push_back(v);
-    }
-  }
+  given.vertices = support::vertices_where(mesh, [&](const Vector3& p) { return p.z() > 0.2 * size(); });
   Region region = region_about(mesh, size() * Vector3::UnitZ(), given);
   EXPECT_EQ(region.pieces, 1);
   EXPECT_EQ(region.left_out, 0);

@@ -82,22 +82,18 @@ TEST(View, PixelSizeIsKnownOfPlainCameras) {
   EXPECT_NEAR(parallel.pixel_size(Vector3(0.3, 0.2, -0.5)), 0.01, 1e-12);
 }
 
-TEST(View, FarPlaneMayBeInfinitelyFarAway) {
-  Eigen::Matrix4d matrix = perspective(0.1, 100);
-  matrix(2, 2) = -1;
-  matrix(2, 3) = -0.2;
-  const Camera view(matrix, 800, 600);
-  ASSERT_TRUE(view.valid());
-  const Vector3 point(0.5, 0.3, -20);
-  const Ray ray = view.ray(view.pixel(point));
-  EXPECT_LT((ray.direction - point.normalized()).norm(), 1e-9);
-  EXPECT_NEAR(ray.origin.z(), -0.1, 1e-9);
-}
-
-TEST(View, RaysBeginAtTheNearPlane) {
-  const Ray perspective_ray = Camera(perspective(0.1, 100), 800, 600).ray(Vector2(123, 45));
-  EXPECT_NEAR(perspective_ray.origin.z(), -0.1, 1e-12);
-  EXPECT_LT(perspective_ray.direction.z(), 0);
+TEST(View, RaysBeginAtTheNearPlaneAndTheFarOneMayBeInfinitelyFarAway) {
+  Eigen::Matrix4d endless = perspective(0.1, 100);
+  endless(2, 2) = -1;
+  endless(2, 3) = -0.2;
+  for (const Eigen::Matrix4d& matrix : {endless, perspective(0.1, 100)}) {
+    const Camera view(matrix, 800, 600);
+    ASSERT_TRUE(view.valid());
+    const Vector3 point(0.5, 0.3, -20);
+    const Ray ray = view.ray(view.pixel(point));
+    EXPECT_LT((ray.direction - point.normalized()).norm(), 1e-9);
+    EXPECT_NEAR(ray.origin.z(), -0.1, 1e-9);
+  }
   const Ray parallel_ray = Camera(orthographic(3), 800, 600).ray(Vector2(200, 450));
   EXPECT_LT((parallel_ray.origin - Vector3(-2, -1.5, 3)).norm(), 1e-12);
   EXPECT_LT((parallel_ray.direction - Vector3(0, 0, -1)).norm(), 1e-12);

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "shapes.h"
+#include "mesh_support.h"
 
 namespace lapedit::contact_search_test {
 namespace {
@@ -137,15 +137,9 @@ TEST(ContactSearch, GivesUpWhereEverythingMeets) {
 }
 
 TEST(ContactSearch, SeesSidesOfASlitThatCross) {
-  TriangleMesh sheet = shapes::grid(8, 13);
-  Eigen::Index kept = 0;
-  for (Eigen::Index f = 0; f < sheet.faces.rows(); ++f) {
-    const Eigen::RowVector3d centre = sheet.vertices(sheet.faces.row(f).array(), Eigen::all).colwise().mean();
-    if (centre.x() < 3 || centre.x() > 4 || centre.y() < 2) {
-      sheet.faces.row(kept++) = sheet.faces.row(f);
-    }
-  }
-  sheet.faces.conservativeResize(kept, 3);
+  const TriangleMesh sheet = support::without_faces(shapes::grid(8, 13), [](const Eigen::RowVector3d& centre) {
+    return centre.x() >= 3 && centre.x() <= 4 && centre.y() >= 2;
+  });
   Points sheared = sheet.vertices;
   for (Eigen::Index v = 0; v < sheared.rows(); ++v) {
     const double beyond = sheared(v, 0) > 3.5 ? std::max(0.0, sheared(v, 1) - 2) : 0;

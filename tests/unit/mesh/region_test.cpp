@@ -84,13 +84,8 @@ TEST(Region, RadiusTakesExactlyWhatIsWithinIt) {
       const Region region = build(mesh, within(radius, padding), groups);
       EXPECT_EQ(region.radius, radius);
       EXPECT_EQ(region.left_out, 0);
-      std::vector<int> expected;
-      for (int v = 0; v < mesh.vertices.rows(); ++v) {
-        if (distance[v] <= radius) {
-          expected.push_back(v);
-        }
-      }
-      EXPECT_EQ(region.mesh_vertex, expected);
+      EXPECT_EQ(region.mesh_vertex,
+                support::where(mesh.vertices.rows(), [&, &r = radius](int v) { return distance[v] <= r; }));
       const std::set<int> boundary = boundary_of(mesh, region);
       for (int i = 0; i < region.size(); ++i) {
         const int v = region.mesh_vertex[i];
@@ -283,12 +278,7 @@ TEST(LargeRegion, ThreadsChangeNoBit) {
   for (const auto& [mesh, groups] : {std::pair(letters, Groups{{70, 71, 200}, {12000}, {20000, 20001, 24000}}),
                                      std::pair(sheets, Groups{{9000, 9001}, {60}}),
                                      std::pair(shapes::grid(150, 150), Groups{{11000, 11001}, {11003}})}) {
-    std::vector<int> set;
-    for (int v = 0; v < mesh.vertices.rows(); ++v) {
-      if (v % 37 != 5) {  // with holes
-        set.push_back(v);
-      }
-    }
+    std::vector<int> set = support::where(mesh.vertices.rows(), [](int v) { return v % 37 != 5; });  // with holes
     for (const auto& group : groups) {
       set.insert(set.end(), group.begin(), group.end());
     }

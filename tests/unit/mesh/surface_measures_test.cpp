@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "allocation_watch.h"
 #include "shapes.h"
@@ -14,29 +15,12 @@
 namespace lapedit::surface_measures_test {
 namespace {
 
-/// The vertices of a mesh from first on, as a region.
-Region region_from(const TriangleMesh& mesh, int first) {
-  Region region;
-  const int count = static_cast<int>(mesh.vertices.rows());
-  for (int v = first; v < count; ++v) {
-    region.mesh_vertex.push_back(v);
-  }
-  std::vector<int> corners;
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-    if (mesh.faces.row(f).minCoeff() >= first) {
-      for (int k = 0; k < 3; ++k) {
-        corners.push_back(mesh.faces(f, k) - first);
-      }
-    }
-  }
-  region.faces = Eigen::Map<const Faces>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-  return region;
-}
-
 TEST(VertexStretch, IsTheLargestChangeOfLengthAtEachVertex) {
   const TriangleMesh sheet = shapes::grid(9, 9);
   for (const int first : {0, 9}) {
-    const Region region = region_from(sheet, first);
+    std::vector<int> set(81 - first);
+    std::iota(set.begin(), set.end(), first);
+    const Region region = support::region_of(sheet, support::given(set), {{80}});
     VertexStretch stretch(region, sheet.vertices);
     Points pose = sheet.vertices.bottomRows(region.size());
     for (const float value : stretch.of(pose)) {
@@ -67,7 +51,7 @@ TEST(VertexStretch, IsTheLargestChangeOfLengthAtEachVertex) {
 TEST(VertexStretch, IsFiniteWhateverThePose) {
   TriangleMesh sheet = shapes::grid(5, 5);
   sheet.vertices.row(1) = sheet.vertices.row(0);  // an edge without a length
-  const Region region = region_from(sheet, 0);
+  const Region region = support::whole_region(sheet, {{0}}, {});
   VertexStretch stretch(region, sheet.vertices);
   Points pose = sheet.vertices;
   pose.row(7) = pose.row(12);
@@ -82,7 +66,7 @@ TEST(VertexStretch, IsFiniteWhateverThePose) {
 
 TEST(VertexStretch, AllocatesNothingPerPose) {
   const TriangleMesh sheet = shapes::grid(200, 200);
-  const Region region = region_from(sheet, 0);
+  const Region region = support::whole_region(sheet, {{0}}, {});
   VertexStretch stretch(region, sheet.vertices);
   stretch.of(sheet.vertices);
   const long before = allocations;

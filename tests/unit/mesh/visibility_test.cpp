@@ -109,13 +109,9 @@ TEST(Brush, PaintsABandAsWideAsItsCircle) {
     hits.push_back(*visibility.first_hit(view.ray(pixel)));
   }
   const double radius = 3.5 / view.pixel_size(Vector3(20, 20, 40));
-  std::vector<int> expected;
-  for (int v = 0; v < mesh.vertices.rows(); ++v) {
-    const double beyond = std::max({3 - mesh.vertices(v, 1), mesh.vertices(v, 1) - 36, 0.0});
-    if (std::hypot(mesh.vertices(v, 0) - 20, beyond) <= 3.5) {
-      expected.push_back(v);
-    }
-  }
+  const std::vector<int> expected = support::vertices_where(mesh, [](const Vector3& p) {
+    return std::hypot(p.x() - 20, std::max({3 - p.y(), p.y() - 36, 0.0})) <= 3.5;
+  });
   EXPECT_EQ(brushed_vertices(mesh, adjacency, visibility, view, hits, from, to, radius), expected);
 }
 
