@@ -443,6 +443,22 @@ class Invariance(Edits):
         self.assertIn("to apply it by position, remove vertices, faces and connectivity",
                       " ".join(run(mesh, one, counts={"faces": 23402}, made_for=mesh[0])[1].split()))
 
+    def test_regions_that_make_no_sense_are_refused(self):
+        mesh, anchors = grid(9, 9), {"vertices": [20, 21], "weights": [1, 0.9], "depths": [1, 0.5], "reach": 5}
+        box = {"vertices": [9 * i + j for i in range(2, 7) for j in range(2, 7)]}
+        for region, groups, sentence in (
+                ({"radius": 0}, [40], "radius is 0"), ({"radius": -1}, [40], "radius is -1"), ({"radius": 3, "padding": -0.001}, [40], "padding is -0.001"),
+                ({"radius": 3, "padding": 1.001}, [40], "padding is 1.001"), ({"radius": 3}, [[40, 41], 41], "Vertex 41 "),
+                ({"vertices": [39, 40]}, [[30, 40]], "first is vertex 30"), ({"radius": 0.5}, [40], "nothing would follow"),
+                ({"vertices": [40, 41]}, [[40, 41]], "nothing would follow"),
+                *(({**box, "anchors": {**anchors, **change}}, [40], words) for change, words in (
+                    ({"weights": [1]}, "1 weights"), ({"depths": [1, 0.5, 1]}, "3 depths"), ({"weights": [1.5, 0.9]}, "weight 1.5"), ({"reach": 0}, "reach"),
+                    ({"depths": [1, 1.5]}, "depth 1.5")))):
+            _, refusal = run(mesh, step(*(handle(group, translation=(0, 0, 1)) for group in groups), region=region))
+            self.assertIn(sentence, refusal, region)
+        expected = run(mesh, step(handle([40, 40, 41], translation=Z), region={**box, "anchors": anchors}))[1]
+        self.assertEqual((expected["handle"], expected["anchors"]), (2, 16))
+
     def test_far_from_the_origin_the_digits_that_are_left_are_right(self):
         for k, ((points, faces), radius, normal_radius, groups, _) in enumerate(self.cases()):
             size = np.ptp(points, axis=0).max()
