@@ -9,6 +9,7 @@ import re
 import resource
 import shutil
 import subprocess
+import sys
 import unittest
 
 from program import (ADVISED, CENTRE, COMMAND, DOME, FACES, LEAN, LIFT, POINTS, REFUSED, SANITIZED, UNEXPECTED, UNREADABLE,
@@ -16,19 +17,35 @@ from program import (ADVISED, CENTRE, COMMAND, DOME, FACES, LEAN, LIFT, POINTS, 
 from shapes import dome, moved, together
 
 SOURCES = pathlib.Path(__file__).parents[2] / "common" / "cli"
+sys.path.append(str(pathlib.Path(__file__).parents[1] / "documents"))
+
+from documents import Document, code  # noqa: E402
+
+DOCUMENT = Document(SOURCES / "README.md")
+
+
+def keys(value):
+    """All keys in a JSON value."""
+    if isinstance(value, dict):
+        return set(value).union(*map(keys, value.values()))
+    return set().union(*map(keys, value)) if isinstance(value, list) else set()
 
 
 class Usage(ProgramTest):
     def test_help_page_and_completion_have_the_same_options(self):
         text = self.done("--help")
-        options = set(re.findall(r"(?m)^ +(?:-\w, )?(--[a-z-]+)", text))
-        self.assertEqual(options, {"--" + name for name in ("fit", "symmetrise", "fraction", "fractions", "landmarks", "nearest", "info", "report",
-                                                            "contact", "quality", "strict", "quiet", "help", "version", "transfer", "within")})
+        known = {name for short, *words in re.findall(r"(?m)^  (?:(-\w), )?(--[\w-]+)(?: (\S+(?: \S+)*))?  ", text)
+                 for name in (short, " ".join(words).strip()) if name}
+        self.assertEqual({name for row in DOCUMENT.rows("Options") for name in code(row[0])}, known)
+        options = {name.split()[0] for name in known if name.startswith("--")}
         self.assertLess(max(map(len, text.splitlines())), 82)
         codes = re.findall(r"(?m)^  (\d)  (.+)$", text)
-        self.assertEqual([code for code, _ in codes], list("0123456"))
+        self.assertEqual([number for number, _ in codes], list("0123456"))
         page = (SOURCES / "laplacian-edit.1").read_text(encoding="utf-8").replace("\\-", "-")
         self.assertEqual(re.findall(r"(?m)^\.B (\d)\n(.+)$", page), codes)
+        self.assertEqual([row[0] for row in DOCUMENT.rows("Exit codes")], [number for number, _ in codes])
+        self.assertEqual(set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", page.split(".SH OPTIONS")[1].split(".SH EXIT")[0])),
+                         {name.split()[0] for name in known})
         script = 'source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _laplacian_edit "$1"; printf "%s\\n" "${COMPREPLY[@]}"'
         for word, expected in (("--", options), ("--fr", {"--fraction", "--fractions"}), ("in", set())):
             done = subprocess.check_output(["bash", "-c", script, SOURCES / "completion.bash", COMMAND, word], encoding="utf-8")
@@ -130,6 +147,9 @@ class Edits(ProgramTest):
         report = self.report(edit)
         self.assertEqual(set(report), {"laplacian_edit_report", "program", "scalar", "input", "edit", "mesh", "outputs",
                                        "milliseconds"})
+        first, all_keys = ({name for row in DOCUMENT.rows("The report") for cell in row[:cells] for name in code(cell)} for cells in (1, 2))
+        self.assertLessEqual(first, keys(report))
+        self.assertLessEqual(keys(report), all_keys)
         self.assertEqual((report["laplacian_edit_report"], report["scalar"], report["input"], report["edit"], report["mesh"]),
                          (1, "float", str(self.mesh), str(edit), {"vertices": 441, "faces": 800}))
         self.assertEqual(report["program"] + "\n", self.done("--version"))
