@@ -716,17 +716,11 @@ class SameSurface(Edits):
             areas = np.linalg.norm(np.cross(spokes, np.roll(spokes, -1, 1)).sum(1) / 2, axis=1)
             return areas.min() / (0.5 * around * math.sin(2 * math.pi / around))
 
-        def about(degrees, centre, shift=(0, 0, 0)):
-            matrix = np.eye(4)
-            matrix[:3, :3] = rotation(Z, degrees)
-            matrix[:3, 3] = matrix[:3, :3] @ (np.array(shift) - centre) + centre
-            return matrix
-
         def half(t):
             return 2.5 * t if t < 0.2 else 0.5 + (t - 0.2) / 1.6
 
         radius = 8 / math.radians(170)
-        for matrix, transform, least in ((about(170, np.array([1, radius, 0]), (-8, 0, 0)), {}, 0.9), (about(120, np.array([5, 0, 0])), {}, 0.83),
+        for matrix, transform, least in ((affine(rotation(Z, 170), (1, radius, 0), rotation(Z, 170) @ (-8, 0, 0)), {}, 0.9), (affine(rotation(Z, 120), (5, 0, 0)), {}, 0.83),
                                          (None, {"rotation": {**turn(X, 270), "center": [9.5, 0, 0]}}, 0.7)):
             sections = [section(around, rings, spacing, matrix, **transform)
                         for around, rings, spacing in ((24, 61, lambda t: t), (24, 61, half), (40, 25, lambda t: t), (16, 121, lambda t: t))]
@@ -1019,27 +1013,24 @@ class Advice(Edits):
                 advice = self.advice(mesh, step({"vertices": marks, "targets": wrong}, method=method))
                 self.assertIn("The surface of vertex 0 turned inside out, from a volume of ", advice)
 
-    def matrix(self, linear, translation=(0, 0, 0)):
-        return [*np.hstack([linear, np.reshape(translation, (3, 1))]).ravel(), 0, 0, 0, 1]
-
     def test_mirroring_maps_turn_inside_out(self):
         mirror = rotation((1, 2, 3), 25) @ np.diag([-1, 1, 1])
         for mesh in (self.head(2), self.head(3, True), tube(16, 20, 4)):
             half = np.flatnonzero(mesh[0][:, 0] > mesh[0][:, 0].mean())
-            advice = self.advice(mesh, step(handle(half, matrix=self.matrix(mirror, (1, 1, 1)))))
+            advice = self.advice(mesh, step(handle(half, matrix=affine(mirror, shift=(1, 1, 1)).ravel())))
             self.assertIn("turned inside out, from a volume of ", advice)
             self.assertIn(": give maps that do not mirror, or reverse the orientation", advice)
-            self.assertEqual(self.advice(mesh, step(handle(half, matrix=self.matrix(mirror @ np.diag([-1, 1, 1]))))), "")
+            self.assertEqual(self.advice(mesh, step(handle(half, matrix=affine(mirror @ np.diag([-1, 1, 1])).ravel()))), "")
 
     def test_mirroring_group_is_refused_unless_all_mirror(self):
         mesh = tube(16, 31, 12)
         ends, lone = [between(mesh, -1, 0.1), between(mesh, 11.9, 99)], nearest(mesh, (6, 1, 0))
-        mirror = {"matrix": self.matrix(np.diag([1, -1, 1]))}
+        mirror = {"matrix": affine(np.diag([1, -1, 1])).ravel()}
         self.assertRegex(run(mesh, step(handle(ends[0]), handle(ends[1], **mirror), handle(lone)))[1],
                          "The matrix of handle group 1 mirrors, since its determinant is negative, but handle group 0 does not mirror")
         self.assertNotEqual(self.advice(mesh, step(handle(ends[0], **mirror), handle(ends[1], **mirror))), "")
         self.assertEqual(self.advice(mesh, step(handle(ends[0]), handle(ends[1]), handle(lone, **mirror))), "", "a single vertex only moves")
-        self.advice(mesh, step(handle(ends[0]), handle(ends[1], matrix=self.matrix(np.diag([1, -1e-18, 1])))))
+        self.advice(mesh, step(handle(ends[0]), handle(ends[1], matrix=affine(np.diag([1, -1e-18, 1])).ravel())))
 
     def test_collapsed_tube_has_advice_unless_it_was_to_shrink(self):
         mesh = tube(16, 31, 4, closed=False)
@@ -1100,7 +1091,7 @@ class Advice(Edits):
                     for method in METHODS:
                         for order in (1,) if method == "default" else (1, 2, 3):
                             settings = {} if method == "default" else {"order": order, "membrane": 0 if method == "paper" else 500}
-                            one = handle([0, n // 5, n // 3, n // 2, n - 2], matrix=self.matrix(linear, translation))
+                            one = handle([0, n // 5, n // 3, n // 2, n - 2], matrix=affine(linear, shift=translation).ravel())
                             self.assertEqual(self.advice(mesh, step(one, method=method, **settings)), "", (method, order))
 
 

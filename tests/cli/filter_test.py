@@ -8,7 +8,7 @@ import unittest
 
 import numpy as np
 
-from host import CENTRE, COMMAND, STAGE, TOOL, UP, DomeHost, FilterHost, laplacian_edit, laplacian_fit, project, replay, select_faces, select_vertices
+from host import CENTRE, COMMAND, TOOL, UP, DomeHost, laplacian_edit, laplacian_fit, project, replay, select_faces, select_vertices
 from ply import Ply, bits_of, float_of, write_ply
 from shapes import in_reach, moved, together
 from surfaces import Z, rotation
@@ -31,18 +31,6 @@ class FilterTest(DomeHost):
 
     def moved_vertices(self, bits):
         return {v for v, p in enumerate(self.points) if bits[v] != tuple(map(bits_of, p))}
-
-
-@unittest.skipIf(TOOL, "meshlabserver lists the filters")
-class Documentation(FilterHost):
-    def test_filters_and_parameters_are_explained(self):
-        file = self.folder / "filters.txt"
-        subprocess.run([STAGE / "bin" / "meshlabserver", "-d", file], env=self.environment, check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
-        for name, count in (("Laplacian Edit", 14), ("Laplacian Edit Replay", 2), ("Laplacian Fit", 5)):
-            text = re.search(rf"\\section \S+ {name} \n(.*?)(\\section|\Z)", file.read_text(), re.DOTALL)[1]
-            self.assertIn("10.1109/SMI.2004.1314505", text)
-            self.assertEqual(len(re.findall(r"\\c \w+ +</TD> <TD> .{4,}? </TD> <TD><i> .{41,}? -- ", text)), count)
 
 
 class Fit(FilterTest):

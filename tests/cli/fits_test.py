@@ -45,10 +45,6 @@ def without(mesh, gone):
     return points, faces[~gone(points)[faces].any(1)]
 
 
-def reversed_faces(faces):
-    return faces[:, ::-1]
-
-
 class Fits(unittest.TestCase):
     def fit(self, mesh=HEAD, scan=SCAN, landmarks=None, more=(), region=None, **settings):
         """@param landmarks  vertices and targets. @return positions; the report is kept"""
@@ -102,7 +98,7 @@ class Fits(unittest.TestCase):
                   "outliers": (np.vstack([points, outliers[0]]), [], np.vstack([normals, outliers[1]]), 0.05)}
         for name, (*cloud, bound) in clouds.items():
             self.assertLess(error(self.fit(scan=cloud)), bound, name)
-        self.assertLess(error(self.fit(scan=(points, reversed_faces(SCAN[1])))), 0.013)
+        self.assertLess(error(self.fit(scan=(points, SCAN[1][:, ::-1]))), 0.013)
         self.assertTrue(self.report["fit"]["reversed_normals"])
 
     def test_landmarks_are_met_and_align(self):
@@ -241,8 +237,8 @@ class Fits(unittest.TestCase):
         places = random.uniform(-1, 1, (count, 1, 3)) * (1.3, 1.8, 1.5) + 0.05 * random.uniform(-1, 1, (count, 3, 3))
 
         def flipped(which):
-            return SCAN[0], np.where(which[:, None], reversed_faces(SCAN[1]), SCAN[1])
-        wall = together(SCAN, (0.95 * SCAN[0], reversed_faces(SCAN[1])), (0, 0, 0))
+            return SCAN[0], np.where(which[:, None], SCAN[1][:, ::-1], SCAN[1])
+        wall = together(SCAN, (0.95 * SCAN[0], SCAN[1][:, ::-1]), (0, 0, 0))
         self.assertLess(error(self.fit(scan=wall)), 0.02)
         self.assertLess(error(self.fit(mesh=(0.96 * HEAD[0], HEAD[1]), scan=wall, mode="pose")), 0.02)  # the inner one is nearer
         for scan in (together(SCAN, (0.9 * SCAN[0], SCAN[1]), (0, 0, 0)), together(SCAN, (places.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)), 0),
@@ -260,7 +256,7 @@ class Fits(unittest.TestCase):
             return p + 0.6 * np.exp(-4 * ((p - (0.8, 0.6, 0.3)) ** 2).sum(1))[:, None] * (1, 0.4, 0.5)
         mesh = swollen(HEAD[0]), HEAD[1]
         self.assertEqual(self.advice(mesh=mesh, scan=(swollen(SCAN[0]), SCAN[1])), "")
-        self.assertRegex(self.advice(mesh=mesh, scan=(swollen(SCAN[0]) * (-1, 1, 1), reversed_faces(SCAN[1]))), "^The template's mirror image")
+        self.assertRegex(self.advice(mesh=mesh, scan=(swollen(SCAN[0]) * (-1, 1, 1), SCAN[1][:, ::-1])), "^The template's mirror image")
 
     def test_exchanged_landmarks_turn_a_head_inside_out(self):
         """A ball beside it keeps its partners."""

@@ -108,9 +108,6 @@ class Cookbook(unittest.TestCase):
             "Bend a pipe by 30 degrees", "Lengthen a nose by 5 %", "Scale an ear along one axis", "Pose an arm and a finger",
             "Move landmarks to targets", "Fit a template with eyes to a scan", "Move half a row of teeth", "Make a face symmetric",
             "Repeat an edit on another mesh of the same object"]))
-        for name, section in self.jobs.items():
-            for _language, text in re.findall(r"```(json|python)\n(.*?)```", section, re.S):
-                self.assertLessEqual(len(text.splitlines()), 12, name)
 
     def test_look(self):
         printed = "".join(self.run_command(line) for line in self.blocks("# Cookbook", "sh")[0].splitlines())
