@@ -612,6 +612,14 @@ class Mirror(Edits):
                     self.assertGreater(np.abs(after - mesh[0]).max(), 0.04)
                     del whole["mirror"]
                     self.assertGreater(self.asymmetry(edited(mesh, whole), at, normal), 0.01, "this says nothing")
+            # Its image is a group with the reflected vertices, weights, and map or targets.
+            plane, settings = affine(np.eye(3) - 2 * np.outer(normal, normal), at), {"region": {"radius": 0.5}, "method": "linear"}
+            map_of_one = affine(1.1 * rotation((1, 2, 1), 25), mesh[0][disc].mean(0), one["translation"])
+            image = handle([nearest(mesh, moved(plane, mesh[0][v])) for v in disc], matrix=(plane @ map_of_one @ plane).ravel())
+            for group, other in ((one, image), (soft, {**image, "weights": soft["weights"]}),
+                                 (targets, {"vertices": image["vertices"], "targets": moved(plane, np.array(targets["targets"])).tolist()})):
+                mirror = {"point": at.tolist(), "normal": normal.tolist()}
+                self.assert_error(edited(mesh, step(group, mirror=mirror, **settings)), edited(mesh, step(group, other, **settings)), 1e-9)
 
     def test_what_has_no_image_is_refused(self):
         pull = step(handle(0, translation=(0, 0, 0.1)), region={"radius": 0.5}, mirror={"point": [2, 0, 0], "normal": [1, 0, 0]})
