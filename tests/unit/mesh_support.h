@@ -49,13 +49,6 @@ inline TriangleMesh renumbered(const TriangleMesh& mesh, const std::vector<int>&
   return result;
 }
 
-inline std::vector<int> renumbered(std::vector<int> vertices, const std::vector<int>& new_number) {
-  for (int& v : vertices) {
-    v = new_number[v];
-  }
-  return vertices;
-}
-
 /// @param coordinates  three for each vertex; @param corners  three for each face
 inline TriangleMesh mesh_of(const std::vector<double>& coordinates, const std::vector<int>& corners) {
   return {Eigen::Map<const Points>(coordinates.data(), static_cast<Eigen::Index>(coordinates.size() / 3), 3),
