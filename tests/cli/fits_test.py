@@ -39,6 +39,20 @@ def error(found, truth=TRUTH):
     return np.linalg.norm(found - truth, axis=1).mean() / size
 
 
+def revolved(radius, levels, degrees, amount):
+    """A surface about the y axis, warped by an amount. @param degrees  of the triangulation"""
+    p, faces = ball(levels)
+    p = p @ rotation((3, 1, 2), degrees).T
+    around = np.sqrt(np.maximum(1e-9, np.hypot(p[:, 0], p[:, 2])))
+    q = np.stack([p[:, 0] / around * radius(p[:, 1]), 1.6 * p[:, 1], p[:, 2] / around * radius(p[:, 1])], 1)
+    x, y, z = q.T
+    return q + amount * np.stack([np.sin(1.7 * y + 1), np.sin(2.1 * z + 0.4 + y), np.sin(1.9 * x - 1.1 * y)], 1), faces
+
+
+def bone(y):
+    return 0.16 + 0.2 * y**4 + np.maximum(0.03 * y, 0)
+
+
 def without(mesh, gone):
     """@param gone  of points"""
     points, faces = mesh
@@ -200,18 +214,17 @@ class Fits(unittest.TestCase):
             self.refused(sentence, {"region": {"component": True}, "fit": {"to": "scan.ply", "exclude": exclude}})
 
     def test_orientation_of_shapes_that_are_nearly_symmetric_is_kept(self):
-        def revolved(radius, levels, degrees, amount):
-            p, faces = ball(levels)
-            p = p @ rotation((3, 1, 2), degrees).T
-            around = np.sqrt(np.maximum(1e-9, np.hypot(p[:, 0], p[:, 2])))
-            q = np.stack([p[:, 0] / around * radius(p[:, 1]), 1.6 * p[:, 1], p[:, 2] / around * radius(p[:, 1])], 1)
-            x, y, z = q.T
-            return q + amount * np.stack([np.sin(1.7 * y + 1), np.sin(2.1 * z + 0.4 + y), np.sin(1.9 * x - 1.1 * y)], 1), faces
-        for radius in (lambda y: 0.16 + 0.2 * y**4 + np.maximum(0.03 * y, 0), lambda y: 0.5 + 0.2 * np.sin(3 * y + 0.6),
-                       lambda y: 0.3 + 0.1 * np.exp(-8 * (y - 0.3) ** 2)):  # a bone, a vase, a limb
+        for radius in (bone, lambda y: 0.5 + 0.2 * np.sin(3 * y + 0.6), lambda y: 0.3 + 0.1 * np.exp(-8 * (y - 0.3) ** 2)):  # a vase, a limb
             for amount in (0.02, 0.06):
                 mesh, truth = revolved(radius, 3, 0, 0), revolved(radius, 3, 0, amount)[0]
                 self.assertLess(error(self.fit(mesh=mesh, scan=revolved(radius, 4, 25, amount)), truth), error(mesh[0], truth))
+
+    def test_shapes_that_slid_along_themselves_have_advice(self):
+        mesh, marks = revolved(bone, 3, 0, 0), (7, 90, 180, 270, 350, 430, 520, 610)
+        for amount, landmarks, slid in ((0.03, False, False), (0.12, False, True), (0.12, True, False)):
+            truth = revolved(bone, 3, 0, amount)[0]
+            advice = self.advice(mesh=mesh, scan=revolved(bone, 4, 25, amount), landmarks=(marks, truth[list(marks)]) if landmarks else None)
+            self.assertEqual("may have slid along the scan, since another smooth" in advice, slid, advice)
 
     def test_what_fits_in_several_orientations_has_advice_if_it_was_moved(self):
         """An ellipsoid with a nose, turned about its axis; where it lies nothing is said."""

@@ -236,9 +236,10 @@ std::string advice_on_hold(const R& r) {
 std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& names) {
   constexpr double kOtherUnit = 5, kOdd = 3.3, kOddDistance = 0.04, kContradict = 0.6, kMirrored = 1.3, kHalf = 0.5,
                    kLittle = 0.4, kUncovered = 0.01, kStretch = 1.8, kFarSlid = 0.03, kMany = 0.15, kSame = 1.05,
-                   kBetter = 0.8;
+                   kBetter = 0.8, kDiffers = 3, kFreely = 0.021;
   const double contradiction = fit.by_landmarks.value_or(0), second = fit.orientations.second.value_or(0);
   const Orientations& compared = fit.orientations;
+  const FitSlide& slide = fit.slide;
   const bool backwards = fit.from_scan.matched < kHalf;
   return sentences(
       {{std::max(fit.size_ratio, 1 / fit.size_ratio) > kOtherUnit,
@@ -279,6 +280,10 @@ std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& nam
             "The template may have slid along the scan, since their borders lay beyond each other by %.3g (RMS): "
             "give landmarks%s.",
             std::max(fit.overlap(), fit.slid), fit.slid > 0 ? "" : ", or \"borders\" if both end at the same lines")},
+       {slide.along - kDiffers * slide.across > kFreely * fit.size * fit.scale / fit.size_ratio,
+        format_text("The template may have slid along the scan, since another smooth deformation to it differs by %.3g "
+                    "(mean; %.3g at vertex %d): give about eight landmarks, one of them there.",
+                    slide.along, slide.most, slide.vertex)},
        {fit.opposed > kMany,
         format_text("The normals of %.3g %% of the scan point to the other side than the rest: orient its faces "
                     "coherently, for example with MeshLab's filter \"Re-Orient all faces coherently\".",

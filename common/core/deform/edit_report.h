@@ -35,6 +35,13 @@ struct OddLandmark {
   double to_scan = 0;   ///< distance of its target from the scan
 };
 
+/// How a fit differs from another smooth deformation whose displacements across the surface are the same, model units.
+struct FitSlide {
+  double along = 0, across = 0;  ///< mean distance, along the surface and across it
+  double most = 0;               ///< largest distance along the surface
+  int vertex = -1;               ///< where it is, of the mesh; -1: not compared
+};
+
 /// The figures of the fit of a template to a scan. Lengths are in model units.
 struct FitReport {
   std::string mode, scan;
@@ -48,6 +55,7 @@ struct FitReport {
   double uncovered = 0;        ///< RMS distance of the whole scan from the template
   double largest_stretch = 1;  ///< of its triangles, but for half a percent of them, over the median
   double slid = 0;             ///< overlap() before the borders were drawn to each other; 0: they were not
+  FitSlide slide;
   OddLandmark odd;
   int hidden = 0;                 ///< number of pieces that the scan does not show, which follow the surface around
   bool reversed_normals = false;  ///< the scan's normals point inwards

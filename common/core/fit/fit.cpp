@@ -16,6 +16,7 @@
 #include "lapedit/fit/correspondences.h"
 #include "lapedit/fit/fit_constants.h"
 #include "lapedit/fit/hidden_pieces.h"
+#include "lapedit/fit/slide.h"
 #include "lapedit/fit/template_energy.h"
 #include "lapedit/mesh/vertex_set.h"
 
@@ -76,6 +77,7 @@ class Fit {
   void finish(double length);
   void check_landmarks();
   double largest_stretch() const;
+  FitSlide slide() const;
   FitDistances measured(bool back) const;
   std::string advice_without_partners() const;
 
@@ -360,6 +362,39 @@ double Fit::largest_stretch() const {
   return all[static_cast<std::size_t>(kMost * static_cast<double>(all.size() - 1))].factor / all[all.size() / 2].factor;
 }
 
+/// Compares the fit of a whole shape with another smooth deformation.
+FitSlide Fit::slide() const {
+  if (of_.settings.mode == FitMode::Pose || !anchors_.empty()) {
+    return {};
+  }
+  constexpr int kSamples = 500;
+  constexpr double kDrawn = 0.5;
+  std::vector<int> samples, met;
+  const Points spread = surface_->samples(kSamples, of_.scan.axes()).points;
+  for (int k = 0; k < kSamples; ++k) {
+    const NearestPoint at = surface_->nearest(spread.row(k).transpose());
+    Eigen::Index corner = 0;
+    at.weights.maxCoeff(&corner);
+    if (const int v = surface_->faces()(at.face, corner); !hidden_->hides(v)) {
+      samples.push_back(v);
+    }
+  }
+  for (const FitLandmark& landmark : of_.landmarks) {
+    if (landmark.slide == 1) {
+      met.push_back(landmark.vertex);
+    }
+  }
+  std::vector<char> drawn;
+  for (const double weight : pairs_->weights()) {
+    drawn.push_back(weight > kDrawn ? 1 : 0);
+  }
+  const Points before = best_similarity(rest_, points_, 0, energy_->mass()).all(rest_) / size_, after = points_ / size_;
+  FitSlide slide = slide_of({before, after, surface_->normals(), drawn}, samples, met);
+  const double unit = size_ * of_.scan.size();
+  return {unit * slide.along, unit * slide.across, unit * slide.most,
+          slide.vertex < 0 ? -1 : of_.region.mesh_vertex[slide.vertex]};
+}
+
 /// Measures the fit, and converts its positions to model units.
 void Fit::finish(double length) {
   report_progress(1, ("fit: measure" + distance_).c_str());
@@ -372,6 +407,7 @@ void Fit::finish(double length) {
   result_.report.opposed = pairs_->turn_normals(*pool_);
   result_.report.uncovered = of_.scan.size() * pairs_->uncovered();
   result_.report.largest_stretch = largest_stretch();
+  result_.report.slide = slide();
   check_landmarks();
   constexpr double kNone = 0.01;
   if (result_.report.to_scan.matched < kNone && result_.report.from_scan.matched < kNone) {

@@ -5,14 +5,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
 #include "bodies.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/trigonometry.h"
+#include "lapedit/fit/slide.h"
 #include "lapedit/fit/template_energy.h"
 #include "mesh_support.h"
+#include "shapes.h"
 
 namespace lapedit {
 namespace {
@@ -74,6 +77,27 @@ TEST(Fit, AsksOftenWhetherItIsCancelledAndNotAgain) {
     }
     EXPECT_EQ(called, at);
   }
+}
+
+TEST(SlideOf, FindsWhatTheNormalsDoNotDecide) {
+  const Points before = shapes::icosphere(3).vertices, &normals = before;
+  const std::vector<char> drawn(static_cast<std::size_t>(before.rows()), 1);
+  std::vector<int> samples(drawn.size());
+  std::iota(samples.begin(), samples.end(), 0);
+  Matrix3 linear = Matrix3::Identity();
+  linear(0, 0) = 1.05;
+  const Points stretched = before * linear;
+  linear << 1, -0.05, 0, 0.05, 1, 0, 0, 0, 1;
+  const Points rotated = before * linear;
+  EXPECT_LT(slide_of({before, stretched, normals, drawn}, samples, {}).along, 0.005);
+  const FitSlide free = slide_of({before, rotated, normals, drawn}, samples, {});
+  EXPECT_NEAR(free.along, 0.0393, 0.002);  // 0.05 times pi / 4
+  EXPECT_NEAR(free.most, 0.05, 0.002);
+  EXPECT_LT(std::abs(before(free.vertex, 2)), 0.2);
+  EXPECT_LT(free.across, 1e-4);
+  const std::vector<int> corners(samples.begin(), samples.begin() + 12);  // of the icosahedron
+  EXPECT_LT(slide_of({before, rotated, normals, drawn}, samples, corners).along, 0.01 * free.along);
+  EXPECT_EQ(slide_of({before, rotated, normals, std::vector<char>(drawn.size(), 0)}, samples, {}).vertex, -1);
 }
 
 TEST(BestSimilarity, RecoversAMap) {
