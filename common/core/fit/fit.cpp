@@ -11,7 +11,6 @@
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/polar_decomposition.h"
-#include "lapedit/deform/differential_operator.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/fit/correspondences.h"
 #include "lapedit/fit/fit_constants.h"
@@ -43,10 +42,6 @@ void validate(const ScanFitSettings& settings) {
           "a length in model units, or 0 for an automatic one.");
 }
 
-bool has_border(const Faces& faces) {
-  return !single_edges({faces.data(), faces.data() + faces.size()}).empty();
-}
-
 /// Returns the RMS distance of the border of a surface beyond that of another one.
 double beyond(const SurfaceIndex& of, const SurfaceIndex& on) {
   double sum = 0;
@@ -65,6 +60,8 @@ class Fit {
  public:
   /// Aligns the template.
   explicit Fit(const FitProblem& problem);
+  /// Returns whether both surfaces have a border and none has to stay.
+  bool may_slide() const { return anchors_.empty() && of_.scan.surface().has_border() && surface_->has_border(); }
   /// Fits it, with progress in a part of several.
   FitResult run(bool borders, std::size_t part, std::size_t parts);
 
@@ -445,9 +442,8 @@ FitResult Fit::run(bool borders, std::size_t part, std::size_t parts) {
 FitResult fit_template(const FitProblem& problem, const Progress& progress) {
   validate(problem.settings);
   const ProgressScope scope(progress);
-  const bool may_slide = !problem.settings.borders && problem.region.count(VertexClass::Anchor) == 0 &&
-                         problem.scan.surface().has_border() && has_border(problem.region.faces);
   Fit fit(problem);
+  const bool may_slide = !problem.settings.borders && fit.may_slide();
   FitResult result = fit.run(problem.settings.borders, 0, may_slide ? 2 : 1);
   const FitReport& report = result.report;
   // Where each border lies beyond the other one by similar distances, the template slid. Of a cropped scan it is one.
