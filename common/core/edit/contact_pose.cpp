@@ -389,27 +389,31 @@ bool ContactPose::approach(const Points& plain) {
   return reached;
 }
 
-/// Returns the root mean square stretch of the edges with a free end, weighted by their squared lengths.
-double ContactPose::stretch(const Points& pose) const {
+/// Returns how far edges with a free end are stretched: the root mean square, weighted by squared lengths, and the
+/// most.
+ContactPose::Stretch ContactPose::stretch(const Points& pose) const {
   const Region& region = *rest_->region;
   double changes = 0, lengths = 0;
+  Stretch stretch;
   for (int i = 0; i < region.size(); ++i) {
-    if (region.classes[i] == VertexClass::Free) {
-      for (const int j : region.neighbours[i]) {
-        const double before = (rest_->local.row(i) - rest_->local.row(j)).norm();
+    for (const int j : region.neighbours[i]) {
+      const double before = (rest_->local.row(i) - rest_->local.row(j)).norm();
+      if (region.classes[i] == VertexClass::Free && before > 0) {
         const double change = (pose.row(i) - pose.row(j)).norm() - before;
         changes += change * change;
         lengths += before * before;
+        stretch.most = std::max(stretch.most, change / before);
       }
     }
   }
-  return lengths > 0 ? std::sqrt(changes / lengths) : 0;
+  stretch.mean = lengths > 0 ? std::sqrt(changes / lengths) : 0;
+  return stretch;
 }
 
 /// Returns whether a group that turns is pushed too far away from its place and stretches the surface by that: such
 /// groups stop, as an elbow does, while others slide along. @return above 0: it is; continuous
 double ContactPose::excess(const Points& plain) const {
-  constexpr double kMostOff = 0.02, kMoreStretch = 1.1, kLittle = 0.01;
+  constexpr double kMostOff = 0.02, kMoreMean = 1.1, kLittleMean = 0.01, kMoreMost = 1.5, kLittleMost = 0.25;
   struct Group {
     double off = 0, way = 0;  // sums of distances
   };
@@ -424,18 +428,29 @@ double ContactPose::excess(const Points& plain) const {
     const double turned = Eigen::AngleAxisd(constraints_->paths().rotations()[g]).angle();
     off = std::max(off, groups[g].way > 0 ? std::min(turned, 1.0) * groups[g].off / groups[g].way : 0);
   }
-  return std::min(off / kMostOff, stretch(pose_) / (kMoreStretch * stretch(plain) + kLittle)) - 1;
+  const Stretch allowed = stretch(plain), now = stretch(pose_);
+  const double more = std::max(now.mean / (kMoreMean * allowed.mean + kLittleMean),
+                               now.most / (kMoreMost * allowed.most + kLittleMost));
+  return std::min(off / kMostOff, more) - 1;
 }
 
 /// Moves on to a pose of the path. @return above 0: contacts jam, or groups yield too much, even once contacts settle
 double ContactPose::advance(const Points& plain) {
-  constexpr double kMaySettle = 0.25;
   const auto found = [&] {
     converged_ = approach(plain);
     return !converged_ ? 1 : response_->yields() ? excess(plain) : -1;
   };
   const double first = found();
-  return first > 0 && first < kMaySettle ? found() : first;
+  return first > 0 && converged_ ? found() : first;
+}
+
+void ContactPose::refine(const Points& plain) {
+  const Points before = pose_;
+  const bool converged = converged_;
+  if (advance(plain) > 0) {
+    pose_ = before;
+    converged_ = converged;
+  }
 }
 
 /// Goes from a pose of the path, at step `from`, as far as possible towards the next one, where advance() returned

@@ -35,8 +35,8 @@ class ContactPose {
   /// Those before the last clear one need not be made. Cost: some settled poses. @throws EditError (Cancelled)
   void follow(const LaplacianSystem& system, const EditConstraints& constraints, int steps,
               const std::function<Points(double)>& plain);
-  /// Moves on to the pose at one more plain pose. @return false if contacts jam: the pose is then as before
-  bool approach(const Points& plain);
+  /// Moves on to the pose at a better plain pose of the same handles, unless that jams or stretches the surface.
+  void refine(const Points& plain);
 
   const Points& pose() const { return pose_; }
   int touching() const { return touching_; }     ///< pairs that press on each other
@@ -46,6 +46,9 @@ class ContactPose {
 
  private:
   class Response;
+  struct Stretch {
+    double mean = 0, most = 0;
+  };
   void number(Faces& faces);
   void set_resting(const Points& pose);
   void include(const Points& pose);
@@ -56,8 +59,9 @@ class ContactPose {
   Eigen::VectorXd pressures(const Eigen::VectorXd& missing, double stiffness) const;
   bool limit(Points& next) const;
   bool attempt(const Points& plain);
+  bool approach(const Points& plain);
   void yield();
-  double stretch(const Points& pose) const;
+  Stretch stretch(const Points& pose) const;
   double excess(const Points& plain) const;
   double advance(const Points& plain);
   double stop_after(double from, double below, double above, const std::function<Points(double)>& plain);

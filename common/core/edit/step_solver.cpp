@@ -315,7 +315,7 @@ void StepSolver::stop_at_contact() {
   if (constraints_.any()) {  // or the plain pose is rigid
     cells_->fit(*system_, constraints_, displacement_, rotations_);
     correct(kForRotations);
-    contact_->approach(constraints_.start() + displacement_);
+    contact_->refine(constraints_.start() + displacement_);
   }
   apply(motions_.handles, motions_.fraction);
   displacement_ = contact_->pose() - constraints_.start();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>
@@ -11,7 +13,6 @@
 #include "base_support.h"
 #include "lapedit/base/compressed_rows.h"
 #include "lapedit/linear/linear.h"
-#include "lapedit/linear/supernodal_analysis.h"
 
 /// Graphs and their Laplacians, made without the layers that use them.
 namespace lapedit::support {
@@ -144,13 +145,38 @@ inline SparseMatrix system_of(const Graph& graph) {
   return whole.triangularView<Eigen::Lower>();
 }
 
-/// Entries of the factor of a graph's system that is eliminated in an order, over those with minimum degree.
+/// Entries of the factor of a matrix, given by its lower half, if it is eliminated in an order: the vertex order[k]
+/// k-th.
+inline double factor_entries(const SparseMatrix& lower, const std::vector<int>& order) {
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(static_cast<Eigen::Index>(order.size()));
+  std::copy(order.begin(), order.end(), permutation.indices().data());
+  const SparseMatrix whole = lower.selfadjointView<Eigen::Lower>();
+  SparseMatrix permuted;
+  permuted = whole.twistedBy(permutation.transpose());
+  // Along the elimination tree (Liu 1990).
+  const int n = static_cast<int>(permuted.cols());
+  std::vector<int> parent(n, -1), mark(n, -1);
+  double entries = n;
+  for (int j = 0; j < n; ++j) {
+    mark[j] = j;
+    for (SparseMatrix::InnerIterator entry(permuted, j); entry; ++entry) {
+      for (int i = static_cast<int>(entry.row()); i < j && mark[i] != j; i = parent[i]) {
+        if (parent[i] < 0) parent[i] = j;
+        mark[i] = j;
+        ++entries;
+      }
+    }
+  }
+  return entries;
+}
+
+/// The same over that of minimum degree.
 inline double relative_fill(const Graph& graph, const std::vector<int>& order) {
   const SparseMatrix lower = system_of(graph);
-  const auto entries = [&lower](const std::vector<int>& in) {
-    return static_cast<double>(supernodal_analysis(lower, in).factor_nonzeros());
-  };
-  return entries(order) / entries({});
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> by_degree;
+  Eigen::AMDOrdering<int>()(lower.selfadjointView<Eigen::Lower>(), by_degree);
+  const int* const first = by_degree.indices().data();
+  return factor_entries(lower, order) / factor_entries(lower, {first, first + by_degree.size()});
 }
 
 inline Points random_points(Eigen::Index n, unsigned seed) {
