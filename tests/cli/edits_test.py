@@ -391,6 +391,14 @@ class Invariance(Edits):
                 bound = self.TIES if ties and settings.get("method") == "paper" else 1e-9 if settings else 1e-6
                 self.assert_error(found[to] / size, pose / size, bound, (k, settings))
 
+    def test_faces_of_mixed_orientation(self):
+        random = np.random.default_rng(4)
+        for k, ((points, faces), *more) in enumerate(self.cases()):
+            mixed = np.where(random.random((len(faces), 1)) < 0.3, faces[:, ::-1], faces)
+            for settings in self.SETTINGS:
+                (pose,), (found,) = (self.pose(((points, of), *more), settings)[0] for of in (faces, mixed))
+                self.assert_error(found / np.ptp(points), pose / np.ptp(points), 1e-9, (k, settings))
+
     def test_by_position_all_sets_have_other_numbers(self):
         mesh = grid(20, 20)
         to = np.random.default_rng(5).permutation(400)

@@ -52,12 +52,28 @@ CompressedRows rings(const CompressedRows& around, const Faces& faces) {
   return lists_of(around.rows(), each_edge);
 }
 
+bool are_oriented(const CompressedRows& around, const Faces& faces) {
+  std::vector<int> last(around.rows(), -1);  // the last vertex that a face leads here from
+  Checkpoints checkpoints;
+  for (int v = 0; v < around.rows(); ++v) {
+    checkpoints();
+    for (const int f : around[v]) {
+      const int next = faces(f, faces(f, 0) == v ? 1 : faces(f, 1) == v ? 2 : 0);
+      if (next != v && std::exchange(last[next], v) == v) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 Adjacency build_adjacency(int vertex_count, const Faces& faces) {
   CompressedRows around = faces_around(vertex_count, faces);
   CompressedRows next = rings(around, faces);
-  return {std::move(next), std::move(around)};
+  const bool oriented = are_oriented(around, faces);
+  return {std::move(next), std::move(around), oriented};
 }
 
 int connected_components(const CompressedRows& neighbours, std::vector<int>& labels, const std::vector<char>& kinds) {

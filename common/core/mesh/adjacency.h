@@ -13,6 +13,7 @@ namespace lapedit {
 struct Adjacency {
   CompressedRows neighbours;  ///< per vertex: the other ends of its edges, ascending, each once
   CompressedRows faces;       ///< per vertex: the faces around it, ascending, each once
+  bool oriented = true;       ///< whether no two faces pass an edge in the same direction
 };
 
 /// Builds the adjacency. Degenerate faces contribute only edges between different vertices. O(vertices + faces).

@@ -284,7 +284,7 @@ void RegionBuilder::extract_graph() {
   }
 }
 
-/// Finds the faces that touch a region edge, and those inside.
+/// Finds the faces that touch a region edge, and those inside, to which it gives one orientation.
 void RegionBuilder::extract_faces() {
   // A pass over all faces is faster than collecting and sorting, unless the mesh has many more faces than the region.
   constexpr Eigen::Index kMany = 32;
@@ -317,6 +317,14 @@ void RegionBuilder::extract_faces() {
   for (const int f : faces) {
     if (corners_inside(f) == 3) {
       region_.faces.row(row++) << local_[mesh_.faces(f, 0)], local_[mesh_.faces(f, 1)], local_[mesh_.faces(f, 2)];
+    }
+  }
+  if (!adjacency_.oriented) {
+    const std::vector<char> flips = flips_of(paired_sides(region_.size(), region_.faces), region_.faces);
+    for (Eigen::Index f = 0; f < inside; ++f) {
+      if (flips[static_cast<std::size_t>(f)] != 0) {
+        region_.faces.row(f).reverseInPlace();
+      }
     }
   }
 }
