@@ -221,6 +221,10 @@ Vector3 GroupPaths::target_offset(int i) const {
   return group.offsets.rows() > 0 ? group.offsets.row(index_[i]).transpose().eval() : Vector3::Zero().eval();
 }
 
+double GroupPaths::degrees(std::size_t group) const {
+  return std::abs(groups_[group].fraction) * groups_[group].path.turn().norm();
+}
+
 bool GroupPaths::stays(std::size_t group) const {
   const Group& one = groups_[group];
   return one.offsets.rows() == 0 && one.path.at(1).none() && one.path.turn().isZero(0);
@@ -238,9 +242,12 @@ bool GroupPaths::moves_rigidly() const {
 
 bool GroupPaths::revolves() const {
   constexpr double kNearly = 359;
-  return std::any_of(groups_.begin(), groups_.end(), [](const Group& group) {
-    return group.vertices.size() > 1 && std::abs(group.fraction) * group.path.turn().norm() > kNearly;
-  });
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (groups_[g].vertices.size() > 1 && degrees(g) > kNearly) {
+      return true;
+    }
+  }
+  return false;
 }
 
 void GroupPaths::rotate_hanging(std::vector<Matrix3>& rotations) const {

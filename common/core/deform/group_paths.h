@@ -39,6 +39,7 @@ class GroupPaths {
   Vector3 target_offset(int i) const;
   bool has_targets() const { return has_targets_; }  ///< of single vertices, in any group
   bool stays(std::size_t group) const;               ///< whether the group has no motion, at any fraction
+  double degrees(std::size_t group) const;           ///< of its rotation in this edit, with its revolutions
   bool mirrors(std::size_t group) const;             ///< whether its map mirrors
   const std::vector<LocalMotion>& motions() const { return motions_; }  ///< of the groups; without target_offset()
 

@@ -417,7 +417,7 @@ double ContactPose::excess(const Points& plain) const {
   struct Group {
     double off = 0, way = 0;  // sums of distances
   };
-  std::vector<Group> groups(constraints_->paths().rotations().size());
+  std::vector<Group> groups(turning_.size());
   for (const int i : constraints_->handles()) {
     Group& group = groups[static_cast<std::size_t>(rest_->region->group[i])];
     group.off += (pose_.row(i) - plain.row(i)).norm();
@@ -425,8 +425,7 @@ double ContactPose::excess(const Points& plain) const {
   }
   double off = 0;
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    const double turned = Eigen::AngleAxisd(constraints_->paths().rotations()[g]).angle();
-    off = std::max(off, groups[g].way > 0 ? std::min(turned, 1.0) * groups[g].off / groups[g].way : 0);
+    off = std::max(off, groups[g].way > 0 ? turning_[g] * groups[g].off / groups[g].way : 0);
   }
   const Stretch allowed = stretch(plain), now = stretch(pose_);
   const double more = std::max(now.mean / (kMoreMean * allowed.mean + kLittleMean),
@@ -487,6 +486,11 @@ void ContactPose::follow(const LaplacianSystem& system, const EditConstraints& c
   constraints_ = &constraints;
   response_->yield({});
   contacts_.clear();
+  constexpr double kTurns = 60;  // degrees
+  turning_.resize(constraints.paths().motions().size());
+  for (std::size_t g = 0; g < turning_.size(); ++g) {
+    turning_[g] = std::min(1.0, constraints.paths().degrees(g) / kTurns);
+  }
   const auto part = [&](double step) { return plain(step / steps); };
   std::vector<Points> path(static_cast<std::size_t>(steps) + 1);
   path[0] = rest_->local;

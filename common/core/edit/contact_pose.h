@@ -79,6 +79,7 @@ class ContactPose {
   const EditConstraints* constraints_ = nullptr;
   std::unique_ptr<Response> response_;
   std::vector<Contact> contacts_;
+  std::vector<double> turning_;  // per group: 1 if it turns, 0 if it does not
   Points pose_;
   double part_ = 1, step_ = 0;  // largest motion of a step of the path
   int touching_ = 0, vertex_ = -1;
