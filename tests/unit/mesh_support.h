@@ -27,10 +27,12 @@ std::vector<int> where(Eigen::Index count, Condition holds) {
 /// The mesh without the faces for whose centre a condition holds.
 template <typename Condition>
 TriangleMesh without_faces(TriangleMesh mesh, Condition holds) {
-  const std::vector<int> kept = where(mesh.faces.rows(), [&](int f) {
-    return !holds(mesh.vertices(mesh.faces.row(f).array(), Eigen::all).colwise().mean());
+  const Faces all = mesh.faces;
+  keep_faces(mesh.faces, [&](Eigen::Index f) {
+    const Eigen::RowVector3d sum =
+        mesh.vertices.row(all(f, 0)) + mesh.vertices.row(all(f, 1)) + mesh.vertices.row(all(f, 2));
+    return !holds(Eigen::RowVector3d(sum / 3));
   });
-  mesh.faces = mesh.faces(kept, Eigen::all).eval();
   return mesh;
 }
 

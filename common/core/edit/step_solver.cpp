@@ -303,7 +303,7 @@ void StepSolver::stop_at_contact() {
     apply(motions, motions_.fraction * part);
     if (part == 1) {
       rotations_ = rotations;
-      return plain;
+      return Points(plain);
     }
     start(true);
     correct(1);
