@@ -39,7 +39,7 @@ struct DragSettings {
 
 /// How clicks on the surface define a handle.
 enum class HandleMode {
-  Vertex,  ///< the clicked vertex and those within the handle's radius
+  Vertex,  ///< the clicked vertex, and others within the handle's radius
   Curve    ///< the vertices of shortest paths from click to click
 };
 

@@ -410,8 +410,8 @@ ContactPose::Stretch ContactPose::stretch(const Points& pose) const {
   return stretch;
 }
 
-/// Returns whether a group that turns is pushed too far away from its place and stretches the surface by that: such
-/// groups stop, as an elbow does, while others slide along. @return above 0: it is; continuous
+/// Returns a measure, above 0 if a group that turns is pushed too far from its place and stretches the surface by that.
+/// Such groups stop, as an elbow does; others slide along. It is continuous, so that the stop is, too.
 double ContactPose::excess(const Points& plain) const {
   constexpr double kMostOff = 0.02, kMoreMean = 1.1, kLittleMean = 0.01, kMoreMost = 1.5, kLittleMost = 0.25;
   struct Group {

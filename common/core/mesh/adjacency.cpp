@@ -52,6 +52,7 @@ CompressedRows rings(const CompressedRows& around, const Faces& faces) {
   return lists_of(around.rows(), each_edge);
 }
 
+/// Returns whether no two faces pass an edge in the same direction: then all agree with their neighbours.
 bool are_oriented(const CompressedRows& around, const Faces& faces) {
   std::vector<int> last(around.rows(), -1);  // the last vertex that a face leads here from
   Checkpoints checkpoints;
