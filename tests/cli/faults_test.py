@@ -22,8 +22,8 @@ OLD = b"the old output\n"
 CALLS = {"openat": (1, 15, ("EIO", "ENOMEM", "EMFILE", "EACCES")), "read": (1, 15, ("EIO", "ENOMEM")),
          "write": (1, 8, ("EIO", "ENOSPC", "EDQUOT", "EFBIG")), "fsync": (1, 2, ("EIO", "ENOSPC")),
          "rename": (1, 2, ("EIO", "ENOSPC", "EACCES")), "close": (1, 15, ("EIO",)), "mmap,brk": (2, 40, ("ENOMEM",)),
-         "unlink,unlinkat": (1, 2, ("EIO",)), "flock": (1, 2, ("EIO", "ENOLCK")), "newfstatat,fstat": (1, 20, ("EIO",)),
-         "getdents64": (1, 2, ("EIO",)), "chmod,fchmod,fchmodat,chown,fchownat": (1, 2, ("EPERM",)), "getrandom": (1, 2, ("EIO",))}
+         "unlink,unlinkat": (1, 2, ("EIO",)), "newfstatat,fstat": (1, 20, ("EIO",)),
+         "chmod,fchmod,fchmodat,chown,fchownat": (1, 2, ("EPERM",)), "getrandom": (1, 2, ("EIO",))}
 
 
 @unittest.skipIf(SANITIZED, "a sanitizer makes calls of its own")
@@ -58,6 +58,8 @@ class Faults(ProgramTest):
             self.assertEqual(output, OLD, what)
         left = [path.name for path in self.work.iterdir() if path.name != name]
         self.assertTrue(all(other.startswith(".laplacian-edit-") for other in left), (what, left))
+        for other in left:
+            (self.work / other).unlink()
         return bool(left)
 
     def inject(self, name):
@@ -65,7 +67,7 @@ class Faults(ProgramTest):
         first, last, errors = CALLS[call]
         when = f"{self.random.randint(first, last)}{self.random.choice(('', '+'))}"
         fault = f"{call}:error={self.random.choice(errors)}:when={when}"
-        # A file may be left that could not be removed, opened or locked.
+        # A file may be left that could not be removed.
         self.run_one(fault, name, "strace", "--quiet=all", "--output=/dev/null", "--seccomp-bpf", "--follow-forks",
                      f"--trace={call}", f"--inject={fault}")
 
@@ -84,9 +86,6 @@ class Faults(ProgramTest):
             name = self.random.choice(list(self.outputs))
             with self.subTest(number):
                 self.random.choice((self.inject, self.inject, self.fill, self.kill))(name)
-            # The next run removes the file that a killed one has left.
-            self.done(self.folder / name, name, self.edit, "--quiet")
-            self.assertEqual([path.name for path in self.work.iterdir()], [name], number)
             (self.work / name).unlink()
 
 

@@ -3,18 +3,14 @@
 import json
 import os
 import pathlib
-import re
 import resource
 import shutil
 import signal
-import socket
 import stat
 import subprocess
 import unittest
 
 from program import COMMAND, LIFT, NOBODY, POSES, REFUSED, UNWRITABLE, WRONG_USAGE, ProgramTest
-
-BEGIN = ".laplacian-edit-" + re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) + "-"
 
 
 class Files(ProgramTest):
@@ -181,13 +177,13 @@ class Interruptions(ProgramTest):
                 self.assertEqual(process.returncode, -getattr(signal, "SIG" + name))
                 self.assertEqual(list(self.work.glob("all-*")), [])
                 self.assertEqual(len(self.left()) > 0, name == "KILL")
-            self.done(self.mesh, "next.ply", self.edit)
-            self.assertEqual([path.name for path in self.work.iterdir()], ["next.ply"])
+            for name in self.left():
+                (self.work / name).unlink()
 
     @unittest.skipUnless(shutil.which("strace"), "needs strace")
     def test_requests_at_each_call(self):
         """The signal arrives when a system call that creates, writes, removes or renames a file begins or ends."""
-        for call, first, last in (("openat", 6, 15), ("fsync", 1, 3), ("flock", 1, 4), ("write", 1, 3), ("rename", 1, 3),
+        for call, first, last in (("openat", 6, 15), ("fsync", 1, 3), ("write", 1, 3), ("rename", 1, 3),
                                   ("fchmodat,chmod", 1, 3), ("rt_sigprocmask", 1, 15)):
             for when in range(first, last + 1):
                 self.run_with_strace(f"--trace={call}", f"--inject={call}:signal=SIGTERM:when={when}")
@@ -206,32 +202,6 @@ class Interruptions(ProgramTest):
             process.send_signal(signal.SIGHUP)
             process.communicate(timeout=60)
         self.assertEqual((process.returncode, self.left()), (0, []))
-
-    def test_files_of_others_and_of_running_calls_stay(self):
-        with self.writing() as process:
-            process.kill()
-        first = min(self.left(), key=len)
-        names = [".laplacian-edit-elsewhere-12345", BEGIN[:-1] + "_x-12345", BEGIN[:-1], BEGIN + "12345", BEGIN + "notes", BEGIN + 16 * "0",
-                 BEGIN + "notes-1", first + "-1", first + "0", first[:-1], first.upper().replace(BEGIN.upper(), BEGIN) + "-"]
-        kept = [self.work / name for name in names]
-        for path in kept:
-            path.write_text("x")
-        (self.work / (BEGIN + "linked")).symlink_to(names[0])
-        self.done(self.mesh, "next.ply", self.edit)
-        self.assertEqual(len(self.left()), len(names) + 1)
-        os.mkfifo(self.work / first)
-        if os.geteuid() == 0:
-            kept.append(self.work / (BEGIN + "theirs"))
-            kept[-1].write_text("x")
-            os.chown(kept[-1], NOBODY, NOBODY)
-        with self.writing() as process:
-            for _ in range(3):
-                self.done(self.mesh, "next.ply", self.edit)
-            _, errors = process.communicate(timeout=100)
-        self.assertEqual((process.returncode, errors), (0, b""))
-        self.assertEqual(len(list(self.work.glob("all-*"))), POSES)
-        self.assertEqual([path.name for path in kept if not path.exists() or path.read_text() != "x"], [])
-        self.assertTrue((self.work / first).is_fifo())
 
 
 if __name__ == "__main__":

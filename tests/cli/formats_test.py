@@ -203,40 +203,9 @@ class Damage(ProgramTest):
                 (self.work / name).write_bytes(data + (bytes(100) if name.startswith("binary") else b"\r\n \n"))
                 self.assertIn("faces: 800\n", self.done("--info", name))
 
-    def test_the_beginning_is_judged_before_the_rest_is_read(self):
-        head = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
-        for name, begin in (*(("a." + suffix, b"") for suffix in ("ply", "obj", "off", "stl")), ("header.ply", head + b"end_header\n"),
-                            ("no_end.ply", head), ("hole.obj", files.obj(files.sheet())), ("hole.off", files.off(files.sheet())),
-                            ("hole.ply", files.ply("ascii", files.sheet())), ("hole.stl", files.stl_text(files.sheet()))):
-            (self.work / name).write_bytes(begin)
-            os.truncate(self.work / name, 3 << 30)
-            with self.subTest(name):
-                self.check_refusal(name)
-                if begin == b"":
-                    (self.work / ("zero-" + name)).symlink_to("/dev/zero")
-                    self.check_refusal("zero-" + name)
-            (self.work / name).unlink()
-        (self.work / "comments.ply").write_bytes(head + 200000 * b"comment that goes on and on\n")
-        self.check_refusal("comments.ply", most=math.inf)
-        (self.work / "sixteen.obj").write_bytes(files.obj(files.sheet()).decode().encode("utf-16") + bytes(1 << 17))
+    def test_text_in_utf_16(self):
+        (self.work / "sixteen.obj").write_bytes(files.obj(files.sheet()).decode().encode("utf-16"))
         self.refused(UNREADABLE, "UTF-16: save it in UTF-8", "--info", "sixteen.obj")
-
-    def test_a_file_without_an_end(self):
-        def write(name, data, more):
-            with contextlib.suppress(BrokenPipeError), open(self.work / name, "wb", buffering=0) as pipe:
-                pipe.write(data)
-                while True:
-                    pipe.write(more)
-
-        sheet = files.sheet()
-        for name, data, more in (("a.ply", files.ply("binary_little_endian", sheet), bytes(1 << 16)), ("a.stl", files.stl_binary(sheet), bytes(1 << 16)),
-                                 ("b.ply", files.ply("ascii", sheet), (1 << 15) * b"0 "), ("a.off", files.off(sheet), (1 << 15) * b"0\n")):
-            os.mkfifo(self.work / name)
-            writer = threading.Thread(target=write, args=(name, data, more), daemon=True)
-            writer.start()
-            with self.subTest(name):
-                self.check_refusal(name, most=math.inf)
-            writer.join(10)
 
     def test_a_polygon_of_more_corners_than_vertices(self):
         for name, write in (("a.obj", files.obj), ("a.off", files.off), ("a.ply", lambda m: files.ply("binary_big_endian", m, count="int"))):

@@ -65,7 +65,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   MeshFile file;
   try {
-    file = read(bytes, true);
+    file = read(bytes);
   } catch (const UnreadableMesh& error) {
     require(std::strlen(error.what()) > 10 && std::strlen(error.what()) < 600 + 3 * size, "a refusal is a sentence");
     return 0;
@@ -77,7 +77,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const EditResult edit = moved(file, static_cast<int>(size % 3));
   Points expected = file.mesh.vertices;
   scatter(edit.vertices, edit.positions, expected);
-  const MeshFile after = read(file.edited(edit, shared), true);
+  const MeshFile after = read(file.edited(edit, shared));
   require_consistent(after);
   // In OFF positions decide where quads are split.
   require(after.mesh.faces.rows() == file.mesh.faces.rows() &&

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <functional>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -13,7 +12,6 @@
 #include "lapedit/mesh/coordinate_space.h"
 
 namespace fs = std::filesystem;
-using lapedit::system::NewFile;
 using lapedit::system::whyNotWritten;
 
 namespace {
@@ -25,8 +23,7 @@ namespace {
 
 }  // namespace
 
-std::string readFile(const std::string& what, const std::string& path, std::size_t most,
-                     const std::function<void(const std::string&)>& check) {
+std::string readFile(const std::string& what, const std::string& path, std::size_t most) {
   std::error_code unknown;
   if (path != "-" && fs::is_directory(path, unknown)) {
     refuseReading(what, path, "it is a folder");
@@ -37,19 +34,13 @@ std::string readFile(const std::string& what, const std::string& path, std::size
     refuseReading(what, path, errno == ENOENT ? "it does not exist" : std::strerror(errno));
   }
   std::string text;
-  std::vector<char> part(1 << 16);
-  std::size_t toCheck = part.size();
-  for (std::size_t count = part.size(); count == part.size() && text.size() <= most;) {
-    count = std::fread(part.data(), 1, part.size(), file.get());
-    text.append(part.data(), count);
-    if (count == part.size() && text.size() >= toCheck) {
-      if (check) {
-        check(text);
-      }
-      const std::uintmax_t size = text.size() == part.size() && path != "-" ? fs::file_size(path, unknown) : 0;
-      text.reserve(unknown ? 0 : static_cast<std::size_t>(std::min<std::uintmax_t>(size, most)));
-      toCheck = 2 * text.size();
-    }
+  if (const std::uintmax_t size = path == "-" ? 0 : fs::file_size(path, unknown); !unknown) {
+    text.reserve(static_cast<std::size_t>(std::min<std::uintmax_t>(size, most)));
+  }
+  std::vector<char> chunk(1 << 16);
+  for (std::size_t count = chunk.size(); count == chunk.size() && text.size() <= most;) {
+    count = std::fread(chunk.data(), 1, chunk.size(), file.get());
+    text.append(chunk.data(), count);
   }
   if (std::ferror(file.get()) != 0) {
     refuseReading(what, path, std::strerror(errno));
@@ -61,26 +52,22 @@ std::string readFile(const std::string& what, const std::string& path, std::size
 }
 
 MeshFile readMeshFile(const std::string& path, MeshReader reader) {
-  std::string mark, why = "it has no vertices";
+  std::string bytes = readFile("mesh", path, std::numeric_limits<std::size_t>::max());
   // The readers find no mesh in such a text. A binary mesh file may begin with the same bytes.
-  const auto isUtf16 = [&mark] { return mark == "\xFF\xFE" || mark == "\xFE\xFF"; };
+  const std::string mark = bytes.substr(0, 2);
+  const bool isUtf16 = mark == "\xFF\xFE" || mark == "\xFE\xFF";
+  const std::string space = lapedit::space_in_header(bytes.substr(0, 1 << 16));
+  std::string why = "it has no vertices";
   try {
-    const auto check = [&](const std::string& bytes) {
-      mark = bytes.substr(0, 2);
-      reader(bytes, false);
-    };
-    std::string bytes = readFile("mesh", path, std::numeric_limits<std::size_t>::max(), check);
-    mark = bytes.substr(0, 2);
-    const std::string space = lapedit::space_in_header(bytes.substr(0, 1 << 16));
-    MeshFile file = reader(std::move(bytes), true);
+    MeshFile file = reader(std::move(bytes));
     file.space = space;
-    if (file.mesh.vertices.rows() > 0 || !isUtf16()) {
+    if (file.mesh.vertices.rows() > 0 || !isUtf16) {
       return file;
     }
   } catch (const UnreadableMesh& error) {
     why = error.what();
   }
-  refuseReading("mesh", path, isUtf16() ? "it is text in UTF-16: save it in UTF-8" : why);
+  refuseReading("mesh", path, isUtf16 ? "it is text in UTF-16: save it in UTF-8" : why);
 }
 
 std::string quotedPath(const std::string& path) {
@@ -118,19 +105,10 @@ OutputFiles::OutputFiles(std::string what, const std::vector<std::string>& paths
       if (!fs::is_directory(target.parent_path())) {
         refuse(k, "its folder does not exist");
       }
-      if (k > 0 && target.parent_path() != targets_[0].parent_path()) {
-        refuse(k, "it is a link to another folder than the output before it");
-      }
       targets_.push_back(target);
     } catch (const std::system_error& error) {
       refuse(k, error.code().message());
     }
-  }
-}
-
-OutputFiles::~OutputFiles() {
-  while (!files_.empty()) {
-    files_.pop_back();  // removes the first one last, since its lock protects the others
   }
 }
 
@@ -141,8 +119,7 @@ void OutputFiles::refuse(std::size_t k, const std::string& why) const {
 void OutputFiles::write(const std::string& bytes) {
   const std::size_t k = files_.size();
   try {
-    files_.push_back(std::make_unique<NewFile>(targets_[k].parent_path(), k > 0 ? files_[0].get() : nullptr));
-    files_.back()->write(bytes);
+    files_.emplace_back(targets_[k].parent_path()).write(bytes);
   } catch (const std::system_error& error) {
     refuse(k, whyNotWritten(error.code().value()));
   }
@@ -157,7 +134,7 @@ void OutputFiles::replaceAll() {
   }
   for (std::size_t k = files_.size(); k-- > 0;) {
     try {
-      files_[k]->replace(targets_[k]);
+      files_[k].replace(targets_[k]);
     } catch (const std::system_error& error) {
       const std::string why = whyNotWritten(error.code().value());
       const std::size_t done = files_.size() - 1 - k;

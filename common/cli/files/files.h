@@ -2,9 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -41,24 +40,19 @@ std::string quotedPath(const std::string& path);
 std::filesystem::path realPath(const std::string& path);
 
 /// Reads a whole file, "-" the standard input. @param what  names it in messages. @param most  bytes
-/// @param check  called with the beginning of a file of 64 KiB or more, and again each time that twice as much is read
 /// @throws Failure (Unreadable)
-std::string readFile(const std::string& what, const std::string& path, std::size_t most,
-                     const std::function<void(const std::string&)>& check = nullptr);
+std::string readFile(const std::string& what, const std::string& path, std::size_t most);
 
 /// Reads a mesh. @throws Failure (Unreadable)
 MeshFile readMeshFile(const std::string& path, MeshReader reader);
 
-/// Files of one folder that replace their targets together, when all of them are complete and on the disk.
+/// Files that replace their targets together, when all of them are complete and on the disk.
 class OutputFiles {
  public:
   /// Checks that the targets can be written, as far as possible; creates nothing.
   /// @param what  names them in messages: "output" or "report"
   /// @throws Failure (Unwritable)
   OutputFiles(std::string what, const std::vector<std::string>& paths);
-  ~OutputFiles();
-  OutputFiles(const OutputFiles&) = delete;
-  OutputFiles& operator=(const OutputFiles&) = delete;
 
   /// Writes the next file. @throws Failure (Unwritable)
   void write(const std::string& bytes);
@@ -72,5 +66,5 @@ class OutputFiles {
   std::string what_;
   std::vector<std::string> paths_;
   std::vector<std::filesystem::path> targets_;
-  std::vector<std::unique_ptr<lapedit::system::NewFile>> files_;
+  std::deque<lapedit::system::NewFile> files_;
 };

@@ -24,29 +24,26 @@ void ignoreRequestsToEnd();
 /// Ends the program by such a signal, if there was one.
 void endIfRequested();
 
-/// A file that is being written in the folder of its target. The first one of a folder is open and locked until it
-/// replaces its target, so that other processes can distinguish abandoned files of a killed program from files in use.
+/// A file that is being written in the folder of its target.
 class NewFile {
  public:
-  /// Creates a file that no other user can read. @param first  the first file of the same folder; null: this is the
-  /// first one, and abandoned files of the same user and machine are removed
-  explicit NewFile(const std::filesystem::path& folder, const NewFile* first = nullptr);
+  /// Creates a file that no other user can read.
+  explicit NewFile(const std::filesystem::path& folder);
   /// Removes the file unless it has replaced its target.
   ~NewFile();
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
 
-  /// Writes the bytes and waits until they are on the disk.
+  /// Writes all bytes of the file and waits until they are on the disk.
   void write(const std::string& bytes);
   /// Gives the file the name of its target, whose owner, group and permissions it takes as far as permitted, without
-  /// setuid and setgid bits. Replace the first file last.
+  /// setuid and setgid bits.
   void replace(const std::filesystem::path& target);
 
  private:
   void close();
 
   std::filesystem::path path_;
-  bool is_first_;
   std::FILE* file_ = nullptr;
 };
 

@@ -103,15 +103,13 @@ struct MeshFile {
 
 // The readers take the bytes of a whole file. They do not allocate memory for a count in it before they have read what
 // it counts.
-// @param isWhole  false: the bytes are the beginning of a file, which is only checked, so that the rest of a file that
-// is of no such format need not be read
 // @throws UnreadableMesh
-MeshFile readPly(std::string bytes, bool isWhole = true);
-MeshFile readObj(std::string bytes, bool isWhole = true);
-MeshFile readOff(std::string bytes, bool isWhole = true);
-MeshFile readStl(std::string bytes, bool isWhole = true);
+MeshFile readPly(std::string bytes);
+MeshFile readObj(std::string bytes);
+MeshFile readOff(std::string bytes);
+MeshFile readStl(std::string bytes);
 
-using MeshReader = MeshFile (*)(std::string, bool);
+using MeshReader = MeshFile (*)(std::string);
 /// Returns the reader for the suffix of a file's name, in upper or lower case; null for other suffixes.
 MeshReader readerOf(const std::string& path);
 /// The suffixes and what to do with other files, for messages.

@@ -17,11 +17,8 @@ long long numberOf(const TextReader& reader, std::string_view text, std::size_t 
 
 }  // namespace
 
-MeshFile readObj(std::string bytes, bool isWhole) {
-  if (!isWhole) {
-    requireText(bytes);
-    return {};
-  }
+MeshFile readObj(std::string bytes) {
+  requireText(bytes);
   MeshBuilder mesh{1};
   MeshFile& file = mesh.file;
   file.bytes = std::move(bytes);

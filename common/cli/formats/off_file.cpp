@@ -127,37 +127,22 @@ class Diagonals {
 
 }  // namespace
 
-MeshFile readOff(std::string bytes, bool isWhole) {
-  if (!isWhole) {
-    requireText(bytes);
-  }
+MeshFile readOff(std::string bytes) {
   MeshBuilder mesh;
   mesh.file.bytes = std::move(bytes);
   TextReader reader(mesh.file.bytes, true);
   const std::string_view header = reader.word();
   const std::size_t off = header.find("OFF");
-  if (off == std::string_view::npos && (isWhole || !header.empty())) {
+  if (off == std::string_view::npos) {
     reader.refuse("the file does not begin with OFF");
-  }
-  if (header.empty()) {
-    return {};
   }
   const Columns columns = columnsOf(header.substr(0, off), reader);
   reader.seek(reader.at() + off + 3);  // the counts may follow without a blank
-  std::string_view word = reader.word();
+  const std::string_view word = reader.word();
   if (word == "BINARY") {
     reader.refuse("the file is binary: convert it to text or to PLY with MeshLab");
   }
-  const std::string_view second = reader.word();
-  if (!isWhole && reader.isAtEnd()) {
-    return {};  // comments fill the beginning
-  }
-  const std::size_t vertices = count(reader, word), faces = count(reader, second);
-  if (!isWhole) {
-    constexpr double kLine = 1024;
-    requireExplained(mesh.file.bytes.size(), kLine * static_cast<double>(vertices + faces));
-    return {};
-  }
+  const std::size_t vertices = count(reader, word), faces = count(reader, reader.word());
   if (reader.wordOfLine().empty()) {  // the number of edges may be missing, or on a line of its own
     TextReader ahead = reader;
     ahead.word();

@@ -44,35 +44,13 @@ constexpr const char* kColumns[] = {"red", "green", "blue", "alpha",     "qualit
                                     "t",   "u",     "v",    "texture_u", "texture_v"};
 
 constexpr int kSelected = 0x20;  // bit of MeshLab's flags
-constexpr const char* kNoEnd = "the header has no end";
 
 class PlyReader {
  public:
   explicit PlyReader(std::string bytes) : text_(mesh_.file.bytes) { file().bytes = std::move(bytes); }
 
-  /// Checks the beginning of a file.
-  void check() {
-    constexpr std::size_t kLargestHeader = 4 << 20;
-    std::string& bytes = file().bytes;
-    const std::size_t size = bytes.size();
-    const bool hasZero = bytes.find('\0') != std::string::npos;
-    if (!hasZero) {
-      bytes.resize(bytes.find_last_of("\r\n") + 1);  // to whole lines
-    }
-    if (readHeader()) {
-      if (is_text_) {
-        requireText(bytes);
-      }
-      requireExplained(size, mostBytes());
-    } else if (hasZero || bytes.size() > kLargestHeader) {
-      text_.refuse(kNoEnd);
-    }
-  }
-
   MeshFile read() {
-    if (!readHeader()) {
-      text_.refuse(kNoEnd);
-    }
+    readHeader();
     for (const Element& element : elements_) {
       const bool isVertex = element.name == "vertex", isFace = element.name == "face";
       for (row_ = 0; row_ < element.count && !element.properties.empty(); ++row_) {
@@ -101,8 +79,7 @@ class PlyReader {
 
   // The header.
 
-  /// @return whether it has an end
-  bool readHeader() {
+  void readHeader() {
     if (text_.wordOfLine() != "ply") {
       throw UnreadableMesh("it does not begin with the line ply");
     }
@@ -122,7 +99,7 @@ class PlyReader {
       } else if (word == "property") {
         readProperty();
       } else if (word.empty()) {
-        return false;
+        text_.refuse("the header has no end");
       } else if (word == "comment" && text_.wordOfLine() == "TextureFile" && file().texture.empty()) {
         text_.wordOfLine();
         const std::size_t at = file().textureAt = text_.at();
@@ -137,7 +114,6 @@ class PlyReader {
     text_.seek(at_);
     file().isText = is_text_;
     takeKinds();
-    return true;
   }
 
   void readElement() {
@@ -202,18 +178,6 @@ class PlyReader {
       }
     }
     elements_.back().properties.push_back(property);
-  }
-
-  /// Returns how many bytes the file may have if the lists of all rows have 16 entries on average, more than meshes
-  /// have.
-  double mostBytes() const {
-    constexpr double kListed = 16, kText = 32, kBinary = 8;
-    auto most = static_cast<double>(at_);
-    for (const Element& element : elements_) {
-      most += static_cast<double>(element.count) * (static_cast<double>(element.properties.size()) + kListed) *
-              (is_text_ ? kText : kBinary);
-    }
-    return most;
   }
 
   void takeKinds() {
@@ -372,11 +336,6 @@ class PlyReader {
 
 }  // namespace
 
-MeshFile readPly(std::string bytes, bool isWhole) {
-  PlyReader reader(std::move(bytes));
-  if (isWhole) {
-    return reader.read();
-  }
-  reader.check();
-  return {};
+MeshFile readPly(std::string bytes) {
+  return PlyReader(std::move(bytes)).read();
 }

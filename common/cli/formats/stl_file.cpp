@@ -119,24 +119,14 @@ Triangles readText(const std::string& bytes) {
 
 }  // namespace
 
-MeshFile readStl(std::string bytes, bool isWhole) {
+MeshFile readStl(std::string bytes) {
   const std::size_t count = bytes.size() < kHeader ? 0 : bitsAt(bytes, kHeader - 4, 4, false);
   const std::size_t size = kHeader + kTriangle * count;
   // The header of a binary file may begin with the word solid, too, but text has no byte 0 in the place of the count
   // and the first triangle.
-  const bool isText = is(TextReader(bytes).word().substr(0, 5), "solid") && (!isWhole || bytes.size() != size) &&
-                      bytes.find('\0') >= std::min(kHeader + kTriangle, bytes.size());
-  if (isText) {
+  if (is(TextReader(bytes).word().substr(0, 5), "solid") && bytes.size() != size &&
+      bytes.find('\0') >= std::min(kHeader + kTriangle, bytes.size())) {
     requireText(bytes);
-  } else if (!isWhole && count == 0) {
-    throw UnreadableMesh("it goes on after 0 triangles, as its header names");
-  } else if (!isWhole) {
-    requireExplained(bytes.size(), static_cast<double>(size));
-  }
-  if (!isWhole) {
-    return {};
-  }
-  if (isText) {
     Triangles triangles = readText(bytes);
     return meshOf(std::move(bytes), std::move(triangles));
   }

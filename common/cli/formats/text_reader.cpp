@@ -43,14 +43,6 @@ void requireText(const std::string& bytes) {
   }
 }
 
-void requireExplained(std::size_t size, double most) {
-  constexpr double kOthers = 4 << 20;
-  if (static_cast<double>(size) > most + kOthers) {
-    throw UnreadableMesh("it goes on after " + std::to_string(size) +
-                         " bytes, far more than the counts in its header explain");
-  }
-}
-
 void requireEnd(const std::string& bytes, std::size_t size) {
   const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(size);
   if (std::find_if_not(begin, bytes.end(), endsWord) != bytes.end()) {

@@ -50,10 +50,6 @@ class TextReader {
 
 /// @throws UnreadableMesh if there is a byte 0
 void requireText(const std::string& bytes);
-/// @param size  number of bytes so far
-/// @param most  number that a file with such a header may have; others may follow, but not without an end
-/// @throws UnreadableMesh if there are far more
-void requireExplained(std::size_t size, double most);
 /// @throws UnreadableMesh if other bytes than blanks and zeros follow the first `size` ones
 void requireEnd(const std::string& bytes, std::size_t size);
 
