@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lapedit/session/session_model.h"
 
-#include <mutex>
 #include <utility>
 
 #include "lapedit/mesh/vertex_set.h"
@@ -38,52 +37,21 @@ StepPath path_of(const EditStep& step) {
   return path;
 }
 
-/// Meshes with the faces of mesh() that no thread reads any more, so that steps copy positions only.
-struct History::Spares {
-  static constexpr std::size_t kMost = 4;
-
-  /// Makes the meshes for the first steps, since after each step other threads still read the previous mesh.
-  explicit Spares(const TriangleMesh& mesh) {
-    list.reserve(kMost);  // so that giving back does not throw
-    for (int k = 0; k < 3; ++k) {
-      list.push_back(std::make_unique<TriangleMesh>(mesh));
-    }
-  }
-
-  std::mutex mutex;
-  std::vector<std::unique_ptr<TriangleMesh>> list;  // under the mutex
-};
-
 History::History(TriangleMesh original)
-    : original_(std::make_shared<const TriangleMesh>(std::move(original))),
-      mesh_(original_),
-      spares_(std::make_shared<Spares>(*mesh_)) {}
+    : mesh_(std::make_shared<TriangleMesh>(std::move(original))), original_(mesh_) {}
 
-std::shared_ptr<const TriangleMesh> History::with(const std::vector<int>& vertices, const Points& positions) const {
-  std::unique_ptr<TriangleMesh> mesh;
-  if (const std::lock_guard<std::mutex> lock(spares_->mutex); !spares_->list.empty()) {
-    mesh = std::move(spares_->list.back());
-    spares_->list.pop_back();
+/// Gives some vertices other positions.
+void History::change(const std::vector<int>& vertices, const Points& positions) {
+  if (std::exchange(is_shared_, false)) {
+    mesh_ = std::make_shared<TriangleMesh>(*mesh_);
   }
-  if (mesh != nullptr) {
-    mesh->vertices = mesh_->vertices;
-  } else {
-    mesh = std::make_unique<TriangleMesh>(*mesh_);
-  }
-  scatter(vertices, positions, mesh->vertices);
-  // The last reader gives the mesh back, on any thread.
-  const auto give_back = [spares = spares_](TriangleMesh* read) {
-    std::unique_ptr<TriangleMesh> owned(read);
-    const std::lock_guard<std::mutex> lock(spares->mutex);
-    if (spares->list.size() < Spares::kMost) {
-      spares->list.push_back(std::move(owned));
-    }
-  };
-  return {mesh.release(), give_back};
+  scatter(vertices, positions, mesh_->vertices);
 }
 
 std::shared_ptr<const TriangleMesh> History::before_last() const {
-  return with(steps_.back().vertices, steps_.back().before);
+  auto mesh = std::make_shared<TriangleMesh>(*mesh_);
+  scatter(steps_.back().vertices, steps_.back().before, mesh->vertices);
+  return mesh;
 }
 
 Edit History::recorded() const {
@@ -105,27 +73,26 @@ const AppliedStep& History::apply(EditStep step, std::vector<int> vertices, Poin
   undone_.clear();
   path = path ? std::move(path) : path_of(step);
   Points before = gather(mesh_->vertices, vertices);
-  mesh_ = with(vertices, after);
+  change(vertices, after);
   steps_.push_back({std::move(step), std::move(vertices), std::move(before), std::move(after), std::move(*path)});
   return steps_.back();
 }
 
 void History::set_faces(Faces faces) {
-  mesh_ = std::make_shared<const TriangleMesh>(TriangleMesh{mesh_->vertices, std::move(faces)});
-  spares_ = std::make_shared<Spares>(*mesh_);
+  mesh_ = std::make_shared<TriangleMesh>(TriangleMesh{mesh_->vertices, std::move(faces)});
 }
 
 const AppliedStep& History::undo() {
   undone_.push_back(std::move(steps_.back()));
   steps_.pop_back();
-  mesh_ = with(undone_.back().vertices, undone_.back().before);
+  change(undone_.back().vertices, undone_.back().before);
   return undone_.back();
 }
 
 const AppliedStep& History::redo() {
   steps_.push_back(std::move(undone_.back()));
   undone_.pop_back();
-  mesh_ = with(steps_.back().vertices, steps_.back().after);
+  change(steps_.back().vertices, steps_.back().after);
   return steps_.back();
 }
 

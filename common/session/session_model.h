@@ -39,22 +39,26 @@ StepPath path_of(const EditStep& step);
 
 /// A mesh and the steps applied to it. Undo restores stored positions, so it is exact to the bit.
 ///
-/// A mesh is never changed while another thread may be reading it: a step copies the positions into a mesh that no
-/// thread reads any more, and the whole mesh only if there is none. References that are handed out last until the next
-/// change.
+/// A step, an undo or a redo changes a copy of the mesh if mesh() has given it to others, since other threads may be
+/// reading it. References last until the next change.
 class History {
  public:
   explicit History(TriangleMesh original);
 
   const TriangleMesh& original() const { return *original_; }
-  const std::shared_ptr<const TriangleMesh>& mesh() const { return mesh_; }
+  const TriangleMesh& current() const { return *mesh_; }
+  /// Returns current() for others, which may keep it: it never changes.
+  std::shared_ptr<const TriangleMesh> mesh() const {
+    is_shared_ = true;
+    return mesh_;
+  }
   /// Returns the mesh before the last step. There has to be one.
   std::shared_ptr<const TriangleMesh> before_last() const;
   const std::vector<AppliedStep>& steps() const { return steps_; }  ///< applied, the oldest first
   bool can_undo() const { return !steps_.empty(); }
   bool can_redo() const { return !undone_.empty(); }
   /// Returns the steps with counts and connectivity of the mesh: applied to original() by apply_edit() they give
-  /// mesh().
+  /// current().
   Edit recorded() const;
 
   /// Applies a step that was solved, and deletes undone steps. @param after  one row per vertex
@@ -64,16 +68,15 @@ class History {
   const AppliedStep& undo();
   /// Redoes the step that was undone last. There has to be one. @return the step
   const AppliedStep& redo();
-  /// Changes the faces of mesh() and of the meshes that follow it.
+  /// Changes the faces of current() and of the meshes that follow it.
   void set_faces(Faces faces);
 
  private:
-  struct Spares;
-  /// Returns a copy of mesh() with other positions of some vertices.
-  std::shared_ptr<const TriangleMesh> with(const std::vector<int>& vertices, const Points& positions) const;
+  void change(const std::vector<int>& vertices, const Points& positions);
 
-  std::shared_ptr<const TriangleMesh> original_, mesh_;
-  std::shared_ptr<Spares> spares_;
+  std::shared_ptr<TriangleMesh> mesh_;
+  std::shared_ptr<const TriangleMesh> original_;
+  mutable bool is_shared_ = true;  // mesh_ must not change
   std::vector<AppliedStep> steps_, undone_;
   mutable std::string checksum_;  // of the connectivity; empty until recorded() needs it
 };
@@ -223,7 +226,7 @@ struct SessionModel {
   /// @throws EditError as validate()
   SessionModel(TriangleMesh mesh, StoredScalar stored, const SessionCallbacks& callbacks);
 
-  const TriangleMesh& mesh() const { return *history.mesh(); }
+  const TriangleMesh& mesh() const { return history.current(); }
   /// Returns the search for the surface under the cursor, null until it is ready.
   HoverSearch* search() { return background.of(history.mesh(), adjacency); }
   /// Returns the mesh with the faces of the original.
