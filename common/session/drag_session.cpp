@@ -53,7 +53,9 @@ std::string DragSession::message() const {
                         model_.shown.held_by_nothing() == 0 && !model_.tools.paint;
   std::string text = is_large ? format_text(messages::kLargeRegion, 100 * model_.shown.part_of_piece()) : std::string();
   if (const Dragging* const drag = solver_.in<Dragging>()) {
-    return text + messages::dragging(drag->motion, drag->by_button, solver_.figures().full_frames);
+    text += format_text(messages::kDragging, drag->motion.text().c_str(),
+                        drag->by_button ? "release" : "click or press Return");
+    return solver_.figures().full_frames ? text + messages::kFullFrames : text;
   }
   text += next_click();
   if (model_.tools.pivot != Pivot::Centroid && !model_.tools.awaits_pivot() && !model_.tools.paint) {
@@ -254,8 +256,8 @@ void DragSession::set_last_step(const HandleTransform& motion, double fraction, 
     model_.refusal = format_text(messages::kOutOfRange, "displacement of the last step",
                                  motion.translation.norm() + motion.degrees, "finite numbers");
   } else if (last->single && (motion.degrees != 0 || motion.scale != 1)) {
-    model_.refusal = messages::single_vertex(motion.degrees != 0 ? MotionKind::Rotate : MotionKind::Scale,
-                                             model_.active_group().front());
+    model_.refusal = format_text(messages::kSingleVertex, motion.degrees != 0 ? "Turning" : "Scaling",
+                                 model_.active_group().front());
   } else {
     solver_.adjust_path(motion, fraction, passing);
   }
@@ -344,7 +346,7 @@ void DragSession::inherit(const Inheritance& before) {
     change_region([&painted](const Surface&, const Selection&) { return Choice(std::move(painted)); });
   }
   if (const std::size_t lost = before.recorded.steps.size(); lost > 0) {
-    model_.refusal = messages::steps_lost(lost);
+    model_.refusal = format_text(messages::kStepsLost, lost, lost == 1 ? "step" : "steps", lost == 1 ? "it" : "them");
     model_.log(model_.refusal);
   }
 }
@@ -359,15 +361,44 @@ bool DragSession::can_redo() const {
   return !model_.timeline.undone().empty() && !solver_.in_progress();
 }
 
-/// Undoes the last actions, or redoes those undone last, and prepares the region once.
-void DragSession::undo_or_redo(bool again, std::size_t actions) {
+void DragSession::undo() {
+  if (solver_.in_progress()) {
+    cancel();
+  } else if (model_.timeline.done().empty()) {
+    model_.refusal = messages::kNothingToUndo;
+  } else {
+    go_to(model_.timeline.done().size() - 1);
+  }
+}
+
+void DragSession::redo() {
+  if (!settle_down()) {
+    return;
+  }
+  if (model_.timeline.undone().empty()) {
+    model_.refusal = messages::kNothingToRedo;
+  } else {
+    go_to(model_.timeline.done().size() + 1);
+  }
+}
+
+/// Prepares the region once, however many actions are undone or redone.
+void DragSession::go_to(std::size_t actions) {
+  if (!settle_down()) {
+    return;
+  }
+  const std::size_t before = timeline().done().size(), wanted = std::min(actions, before + timeline().undone().size());
+  const bool again = wanted > before;
   bool is_step = false;
-  for (; actions > 0; --actions) {
+  while (timeline().done().size() != wanted) {
     const std::size_t steps = model_.history.steps().size();
     is_step = again ? model_.redo() : model_.undo();
     model_.log(is_step ? format_text(messages::kStepChanged, again ? steps + 1 : steps, again ? "redone" : "undone")
                : again ? messages::kStrokeRedone
                        : messages::kStrokeUndone);
+  }
+  if (wanted == before) {
+    return;
   }
   if (is_step) {
     solver_.take_over(again);
@@ -379,41 +410,6 @@ void DragSession::undo_or_redo(bool again, std::size_t actions) {
     model_.show_region(nullptr);
   }
   solver_.handles_changed();
-}
-
-void DragSession::undo() {
-  model_.refusal.clear();
-  if (solver_.in_progress()) {
-    cancel();
-    return;
-  }
-  mouse_.end_stroke();
-  if (model_.timeline.done().empty()) {
-    model_.refusal = messages::kNothingToUndo;
-  } else {
-    undo_or_redo(false, 1);
-  }
-}
-
-void DragSession::redo() {
-  if (!settle_down()) {
-    return;
-  }
-  if (model_.timeline.undone().empty()) {
-    model_.refusal = messages::kNothingToRedo;
-  } else {
-    undo_or_redo(true, 1);
-  }
-}
-
-void DragSession::go_to(std::size_t actions) {
-  if (!settle_down()) {
-    return;
-  }
-  const std::size_t done = timeline().done().size(), wanted = std::min(actions, done + timeline().undone().size());
-  if (wanted != done) {
-    undo_or_redo(wanted > done, wanted > done ? wanted - done : done - wanted);
-  }
 }
 
 Edit DragSession::saved() const {

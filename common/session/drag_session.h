@@ -213,7 +213,6 @@ class DragSession {
   std::string next_click() const;
   template <class Choose>
   bool change_region(const Choose& choose);
-  void undo_or_redo(bool again, std::size_t actions);
   bool motion_key(DragKey key, const Cursor& cursor);
   bool begin_by_key(MotionKind kind, const Cursor& cursor);
 

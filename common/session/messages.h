@@ -41,7 +41,10 @@ constexpr const char* kLargeRegion = "The region has %.0f %% of its piece: turn 
 constexpr const char* kBendCurve =
     "Drag a point of the curve to bend it, the line between points to move all of it; click inside the region for "
     "another handle.";
-std::string dragging(const DragMotion& motion, bool by_button, bool full_frames);
+constexpr const char* kDragging =
+    "%s: %s to apply, Esc cancels; X Y Z N lock an axis, Ctrl moves in steps, digits set the amount.";
+// Appended to it.
+constexpr const char* kFullFrames = " With these rotations each frame is a full solution.";
 
 // Refusals -----------------------------------------------------------------------------------------------------------
 
@@ -71,7 +74,10 @@ constexpr const char* kNothingToUndo = "There is nothing to undo.";
 constexpr const char* kNothingToRedo = "There is nothing to redo.";
 constexpr const char* kNoLastStep =
     "There is no last step to change: drag a handle first, and change it before something else is picked.";
-std::string steps_lost(std::size_t steps);
+constexpr const char* kStepsLost =
+    "The mesh was changed by another tool or filter: %zu %s cannot be undone any more. Save... writes %s until the "
+    "next "
+    "step.";
 constexpr const char* kAsymmetric =
     "The mesh is not its own mirror image: its sides differ by %.1f %% of its size or more on average. The other side "
     "moves only where it has a vertex near the mirrored handle.";
@@ -96,18 +102,21 @@ constexpr const char* kNothingHolds =
 constexpr const char* kInNoHandle =
     "Vertex %d is in no handle: Shift-click on a handle vertex takes it away, Shift-drag brushes the region "
     "smaller.";
-std::string single_vertex(MotionKind kind, int vertex);
+constexpr const char* kSingleVertex =
+    "%s needs a handle of several vertices, and this one is vertex %d alone: set a handle size or add vertices with "
+    "Ctrl-clicks.";
 
 // Lines for a log ----------------------------------------------------------------------------------------------------
 
 constexpr const char* kStrokeOf[] = {"Paint: region", "Paint: handle", "Paint: fixed"};  // by BrushTarget
-std::string saved_step(const EditStep& step, const std::vector<int>& moved);
+/// Returns the name of a step in the list of actions. @param moved  the groups that it moves
+std::string name_of(const EditStep& step, const std::vector<int>& moved);
 constexpr const char* kStrokeUndone = "stroke of the brush undone";
 constexpr const char* kStrokeRedone = "stroke of the brush redone";
 constexpr const char* kNotPossible = "not possible: %s";
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size);
-std::string step_adjusted(std::size_t number, bool is_new, int region_size);
-std::string edit_applied(std::size_t steps);
+constexpr const char* kStepAdjusted = "step %zu%s: region of %d vertices";
+constexpr const char* kEditApplied = "%zu step%s of a saved edit applied";
 constexpr const char* kLoadedStepAdvice = "step %zu of the saved edit: %s";
 constexpr const char* kStepChanged = "step %zu %s";
 

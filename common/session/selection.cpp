@@ -291,19 +291,9 @@ Choice pick(const Surface& surface, const Selection& selection, int vertex) {
 
 Choice add_to_handle(const Surface& surface, const Selection& selection, int vertex) {
   Selection after = selection;
-  if (selection.groups.empty() || selection.active < 0) {
-    if (after.next == Next::Group) {
-      after.next = Next::Handle;
-    }
-    std::vector<int> handle = disc(surface, vertex);
-    if (std::optional<Refusal> refusal = choose_region(surface, vertex, after, handle)) {
-      return *refusal;
-    }
-    after.clear_groups();
-    after.add_group(std::move(handle), {vertex});
-    follow_discs(surface, after);
-    after.next = Next::Handle;
-    return after;
+  if (selection.groups.empty()) {
+    after.next = after.next == Next::Group ? Next::Handle : after.next;
+    return pick(surface, after, vertex);
   }
   std::vector<int> handle = without(disc(surface, vertex), selection.handles(selection.active));
   if (selection.region.kind != RegionSpec::Kind::Radius && surface.region) {

@@ -175,7 +175,8 @@ bool SessionSolver::begin(MotionKind kind, const Vector3& grab, const Cursor& cu
   const std::vector<int>& group = model_.active_group();
   const bool alone = model_.selection.along.empty();
   if (kind != MotionKind::Translate && group.size() == 1 && alone && model_.tools.pivot == Pivot::Centroid) {
-    model_.refusal = messages::single_vertex(kind, group.front());
+    model_.refusal =
+        format_text(messages::kSingleVertex, kind == MotionKind::Rotate ? "Turning" : "Scaling", group.front());
     return false;
   }
   if (!preparation_.running && !preparation_.has_preview) {
@@ -429,10 +430,17 @@ void SessionSolver::take_over(bool applied) {
   rest(applied);
 }
 
+/// Makes a solved step one of the history, and shows it.
+const AppliedStep& SessionSolver::apply(EditStep step, EditResult pose, std::optional<StepPath> path) {
+  const AppliedStep& applied =
+      model_.history.apply(std::move(step), std::move(pose.vertices), std::move(pose.positions), std::move(path));
+  model_.show(applied.vertices, applied.after, true);
+  return applied;
+}
+
 void SessionSolver::commit_drag() {
   const Dragging& drag = std::get<Dragging>(phase_);
   const Selection selection = model_.selection;
-  History& history = model_.history;
   EditStep step;
   step.region = selection.region;
   step.settings = plain_settings();
@@ -441,12 +449,9 @@ void SessionSolver::commit_drag() {
     step.handles.push_back({selection.groups[g], drag.given[g], selection.weights[g], drag.targets[g]});
   }
   StepPath path{step.handles, united(selection.along, {selection.active}), 1};
-  EditResult pose = model_.with_others(model_.shown.region()->mesh_vertex, model_.shown.pose());
-  const AppliedStep& applied =
-      history.apply(std::move(step), std::move(pose.vertices), std::move(pose.positions), std::move(path));
+  apply(std::move(step), model_.with_others(model_.shown.region()->mesh_vertex, model_.shown.pose()), std::move(path));
   model_.timeline.add({drag.motion.text(), true, selection});
-  model_.show(applied.vertices, applied.after, true);
-  model_.log(messages::step_applied(history.steps().size(), drag.motion, model_.active_group(),
+  model_.log(messages::step_applied(model_.history.steps().size(), drag.motion, model_.active_group(),
                                     model_.shown.region()->size()) +
              (figures_.advice().empty() ? "" : "; " + figures_.advice()));
   progress();
@@ -463,14 +468,12 @@ void SessionSolver::commit_adjusted() {
     model_.show(former.vertices, former.before, false);
     path = std::move(adjusting.path);
   }
-  EditResult pose = model_.with_others(region->mesh_vertex, solved_.positions);
-  const AppliedStep& applied =
-      history.apply(adjusting.step, std::move(pose.vertices), std::move(pose.positions), std::move(path));
+  apply(adjusting.step, model_.with_others(region->mesh_vertex, solved_.positions), std::move(path));
   if (adjusting.is_new) {
-    model_.timeline.add({messages::saved_step(adjusting.step, {}), true, model_.selection});
+    model_.timeline.add({messages::name_of(adjusting.step, {}), true, model_.selection});
   }
-  model_.show(applied.vertices, applied.after, true);
-  model_.log(messages::step_adjusted(history.steps().size(), adjusting.is_new, region->size()));
+  model_.log(format_text(messages::kStepAdjusted, history.steps().size(),
+                         adjusting.is_new ? ": another detail" : " again with other settings", region->size()));
   Selection& selection = model_.selection;
   if (selection.by_hand && adjusting.step.handles.empty()) {
     model_.show_by_hand();  // without the margin
@@ -486,19 +489,17 @@ void SessionSolver::commit_loaded(const std::vector<EditResult>& results) {
   Edit& edit = std::get<Loading>(phase_).edit;
   for (std::size_t k = 0; k < results.size(); ++k) {
     EditStep& step = edit.steps[k];
-    const AppliedStep& applied =
-        model_.history.apply(welded(std::move(step), model_.weld), results[k].vertices, results[k].positions);
+    const AppliedStep& applied = apply(welded(std::move(step), model_.weld), results[k]);
     Selection& selection = model_.selection;
     selection = selection_of(applied.step, applied.path.moved, selection, model_.settings);
-    Action action{messages::saved_step(applied.step, applied.path.moved), true, selection};
+    Action action{messages::name_of(applied.step, applied.path.moved), true, selection};
     if (selection.has_region && selection.region.kind == RegionSpec::Kind::Radius) {
       selection = with_vertices(std::move(selection), model_.weld.representatives(applied.vertices), model_.settings);
     }
     action.after = selection;
     model_.timeline.add(std::move(action));
-    model_.show(applied.vertices, applied.after, true);
   }
-  model_.log(messages::edit_applied(results.size()));
+  model_.log(format_text(messages::kEditApplied, results.size(), results.size() == 1 ? "" : "s"));
   for (std::size_t k = 0; k < results.size(); ++k) {
     if (const std::string advice = results[k].reports.front().advice(); !advice.empty()) {
       model_.log(format_text(messages::kLoadedStepAdvice, k + 1, advice.c_str()));
@@ -591,9 +592,7 @@ SessionSolver::Response SessionSolver::poll() {
       model_.show_region(update.region);
     }
   }
-  if (update.preview) {
-    preparation_.has_preview = true;
-  }
+  preparation_.has_preview |= update.preview;
   if (update.ready) {
     preparation_ = Preparation();
     preparation_.has_preview = preparation_.ready = true;
@@ -619,9 +618,7 @@ SessionSolver::Response SessionSolver::poll() {
     }
     model_.refusal = update.pose_error;
   }
-  const bool some = update.region || update.preview || update.ready || update.report || update.pose || update.applied ||
-                    !update.error.empty() || !update.pose_error.empty();
-  return step_done ? Response::Step : some ? Response::Some : Response::None;
+  return step_done ? Response::Step : update.any() ? Response::Some : Response::None;
 }
 
 }  // namespace lapedit

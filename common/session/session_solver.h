@@ -166,6 +166,7 @@ class SessionSolver {
   void begin_adjusting();
   void request_adjusted(bool prepares);
   void show_adjusted(const phase::Adjusting& adjusting);
+  const AppliedStep& apply(EditStep step, EditResult pose, std::optional<StepPath> path = {});
   void commit_drag();
   void commit_adjusted();
   void commit_loaded(const std::vector<EditResult>& results);

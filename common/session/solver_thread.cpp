@@ -56,7 +56,6 @@ struct Request {
 
 /// Results that the window has not taken yet.
 struct Response {
-  bool is_new = false;
   SolverUpdate update;
   SolverPose pose;
 };
@@ -139,7 +138,6 @@ struct SolverThread::Impl {
     remaining = Remaining::Nothing;
     preparing = false;
     response.update = SolverUpdate();
-    response.is_new = false;
     progress = 0;
     stage = "";
   }
@@ -152,7 +150,6 @@ struct SolverThread::Impl {
         return;
       }
       change();
-      response.is_new = true;
     }
     responded.notify_all();
     if (wake) {
@@ -463,7 +460,6 @@ int SolverThread::solve(const std::vector<HandleMotion>& maps, bool last) {
 SolverUpdate SolverThread::poll(SolverPose& pose) {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   SolverUpdate update = std::exchange(impl_->response.update, SolverUpdate());
-  impl_->response.is_new = false;
   if (update.pose) {
     std::swap(pose, impl_->response.pose);
   }
@@ -476,15 +472,15 @@ bool SolverThread::wait(std::chrono::milliseconds longest) {
   s.responded.wait_for(lock, longest, [&s] {
     // usable() may read the solver only while the solver thread is idle. The thread is busy again for a moment if it
     // has yet to free discarded data.
-    return s.response.is_new ||
+    return s.response.update.any() ||
            !(s.is_busy() || (s.request.solve && s.usable()) || s.background.busy() || s.is_stale());
   });
-  return s.response.is_new;
+  return s.response.update.any();
 }
 
 bool SolverThread::busy() const {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
-  return impl_->is_busy() || impl_->request.solve || impl_->response.is_new;
+  return impl_->is_busy() || impl_->request.solve || impl_->response.update.any();
 }
 
 double SolverThread::progress() const {

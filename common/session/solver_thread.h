@@ -48,6 +48,10 @@ struct SolverUpdate {
   std::shared_ptr<const std::vector<EditResult>> applied;  ///< one entry per step of an ApplyTask
   std::string error;                                       ///< preparing or applying failed: the message for the user
   std::string pose_error;                                  ///< solving failed; the region stays prepared
+
+  bool any() const {
+    return region || preview || ready || pose || report || applied || !error.empty() || !pose_error.empty();
+  }
 };
 
 /// Prepares regions and solves for poses on its own threads, so that a window never waits.
