@@ -78,17 +78,9 @@ std::string quotedPath(const std::string& path) {
 }
 
 fs::path realPath(const std::string& path) {
-  constexpr int kMost = 40;  // links, as in the kernel
   std::error_code error;
-  fs::path real = fs::absolute(path);
-  for (int links = 0; fs::is_symlink(real, error); ++links) {
-    if (links > kMost) {
-      throw Failure(Unwritable, "The name " + quotedPath(path) + " leads through too many links: give another name.");
-    }
-    real = real.parent_path() / fs::read_symlink(real, error);
-  }
-  const fs::path folder = fs::weakly_canonical(real.parent_path(), error);
-  return error ? real : folder / real.filename();
+  const fs::path real = fs::weakly_canonical(fs::absolute(path), error);
+  return error ? fs::absolute(path) : real;
 }
 
 OutputFiles::OutputFiles(std::string what, const std::vector<std::string>& paths)

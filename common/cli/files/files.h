@@ -35,8 +35,7 @@ class Failure : public std::runtime_error {
 /// Returns the name of a file for a message.
 std::string quotedPath(const std::string& path);
 
-/// Returns the file that a name leads to through links, whether it exists or not. @throws Failure (Unwritable) in a
-/// circle of links
+/// Returns the file that a name leads to through links; the name itself if there is none.
 std::filesystem::path realPath(const std::string& path);
 
 /// Reads a whole file, "-" the standard input. @param what  names it in messages. @param most  bytes
