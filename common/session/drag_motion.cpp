@@ -15,11 +15,6 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kShortest = 20;
 constexpr double kSmallestScale = 0.01;
 constexpr std::size_t kMostDigits = 18;
-/// Sine of the angle between view and ring below which a rotation follows the mouse along the screen, since a pixel on
-/// the ring would be too large an angle.
-constexpr double kFlattestRing = 0.35;
-/// Radius in pixels of a ring that is seen edge-on.
-constexpr double kPixelsPerRadian = 72;
 constexpr double kAngleStep = 15, kScaleStep = 0.1, kFewestPixelsPerStep = 10;
 
 std::string name(AxisLock lock, const Vector3& axis) {
@@ -165,14 +160,11 @@ double DragMotion::along_axis(const Cursor& cursor, double otherwise) const {
 
 /// Makes the cursor's current position the zero of angles.
 void DragMotion::begin_angle() {
-  ring_is_open_ = std::abs(gizmo_axis_.dot(cursor_.view.toward_viewer(center_))) > kFlattestRing;
   last_angle_ = angle_at(cursor_);
   if (angle_ == 0) {
     const Vector3 rotated_about = axis().value_or(sight_);
-    const bool from_side = lock_ == AxisLock::Gizmo && !ring_is_open_;
-    const Vector3 seen = from_side ? cursor_.view.toward_viewer(center_)
-                                   : Vector3(cursor_.view.beside(center_, cursor_.pixel) - center_);
-    const Vector3 along = lock_ == AxisLock::Gizmo && ring_is_open_ ? on_ring(cursor_).value_or(seen) : seen;
+    const Vector3 beside = cursor_.view.beside(center_, cursor_.pixel) - center_;
+    const Vector3 along = lock_ == AxisLock::Gizmo ? on_ring(cursor_).value_or(beside) : beside;
     arm_ = (along - along.dot(rotated_about) * rotated_about).stableNormalized();
   }
 }
@@ -183,13 +175,6 @@ double DragMotion::angle_at(const Cursor& cursor) const {
 
 /// Returns the angle of the cursor along the ring of a gizmo.
 double DragMotion::ring_angle(const Cursor& cursor) const {
-  const Camera& view = cursor.view;
-  if (!ring_is_open_) {
-    // The angle grows along the direction in which the ring's nearest point moves on the screen.
-    const Vector3 tangent = gizmo_axis_.cross(view.toward_viewer(center_));
-    const Vector2 along = view.pixel(center_ + view.pixel_size(center_) * tangent) - view.pixel(center_);
-    return along.stableNormalized().dot(cursor.pixel - view.pixel(center_)) / kPixelsPerRadian;
-  }
   const std::optional<Vector3> from_center = on_ring(cursor);
   const Vector3 u = gizmo_axis_.unitOrthogonal();
   return from_center ? std::atan2(gizmo_axis_.cross(u).dot(*from_center), u.dot(*from_center)) : last_angle_;
@@ -253,8 +238,7 @@ void DragMotion::move(const Cursor& cursor) {
   if (kind_ == MotionKind::Rotate) {
     const double angle = angle_at(cursor_);
     // Take the shorter rotation from the previous angle, so that revolutions add up.
-    const bool winds = lock_ != AxisLock::Gizmo || ring_is_open_;
-    angle_ += winds ? std::remainder(angle - last_angle_, 2 * kPi) : angle - last_angle_;
+    angle_ += std::remainder(angle - last_angle_, 2 * kPi);
     last_angle_ = angle;
   }
 }

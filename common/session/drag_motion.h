@@ -98,7 +98,6 @@ class DragMotion {
   double factor_before_ = 1;
   double along_ = 0;                   // last defined position on the locked axis
   double angle_ = 0, last_angle_ = 0;  // radians
-  bool ring_is_open_ = true;           // a gizmo's ring is not seen edge-on
   std::string typed_;
 };
 

@@ -11,8 +11,10 @@ namespace {
 constexpr double kLengthPixels = 90, kPickPixels = 7, kScalePixels = 9;
 /// Pixels added to the distance from a ring's far half, which other elements cover.
 constexpr double kBehindPixels = 3;
-constexpr double kLeastSine = 0.2;  // of the angle between sight and arrow, or sight and ring's plane
-constexpr int kCorners = 64;        // of a ring
+/// Of the angle between sight and arrow, or sight and a ring's plane: on a flatter ring a pixel would be too large an
+/// angle.
+constexpr double kLeastSine = 0.2, kLeastSineOfRing = 0.35;
+constexpr int kCorners = 64;  // of a ring
 
 double distance_to_segment(const Vector2& point, const Vector2& from, const Vector2& to) {
   const Vector2 direction = to - from;
@@ -53,7 +55,8 @@ bool Gizmo::arrow_is_seen(int axis, const Camera& view) const {
 }
 
 bool Gizmo::ring_is_seen(int axis, const Camera& view) const {
-  return !only_arrows && std::abs(axes.col(axis).dot(view.toward_viewer(center))) > kLeastSine && view.in_front(center);
+  return !only_arrows && std::abs(axes.col(axis).dot(view.toward_viewer(center))) > kLeastSineOfRing &&
+         view.in_front(center);
 }
 
 Gizmo place_gizmo(const Vector3& center, GizmoAxes axes, const Vector3& normal, const Camera& view) {
