@@ -178,9 +178,6 @@ bool LaplacianDragTool::begin() {
   }
   LayerSession* known = shared_->find(layer->id);
   const bool resume = known != nullptr && known->writer.matches(*layer->mesh);
-  if (resume && !known->inHistory.isEmpty()) {
-    known->historyPosition = window_.removeFromHistory(known->inHistory);
-  }
   if (known != nullptr && known->leftBy != nullptr && !resume) {
     finishLeft(*known, layer->id, true);
   }
@@ -192,7 +189,6 @@ bool LaplacianDragTool::begin() {
     refused_ = sizeOf(*layer);
     return showNothing(notice_);
   }
-  active_->inHistory.clear();
   layer_ = layer->id;
   on_ = true;
   openPanel();
@@ -275,42 +271,36 @@ void LaplacianDragTool::leaveLayer(bool forGood) {
   } else if (active_) {
     active_->session.leave();
     const bool isFinished = active_->session.finish(kLongestFinish);
-    const bool isChanged = write(*active_, layer_) == Written::MeshChanged;
+    write(*active_, layer_);
     if (forGood && !isFinished) {
       active_->leftBy = this;
     } else if (forGood) {
-      conclude(*active_, isChanged);
+      conclude(*active_);
     }
   }
   sessionGone();
 }
 
-/// Writes what has moved into the layer's mesh, and shows it.
-LaplacianDragTool::Written LaplacianDragTool::write(LayerSession& known, int layer) {
+/// Writes what has moved into the layer's mesh, and shows it. @return false if other code has changed the mesh, so that
+/// no pose was written
+bool LaplacianDragTool::write(LayerSession& known, int layer) {
   CMeshO* const mesh = meshOf(layer);
   const PoseChange* const change = mesh ? known.session.take_change() : nullptr;
-  if (!change) {
-    return Written::Nothing;
+  if (change) {
+    if (!known.writer.write(*mesh, change->vertices, change->positions, change->settled)) {
+      return false;
+    }
+    window_.uploadGeometry(layer);
+    if (change->settled) {
+      window_.markModified(layer);
+    }
+    frame_.posed = true;
   }
-  const bool isSettled = change->settled;
-  if (!known.writer.write(*mesh, change->vertices, change->positions, isSettled)) {
-    return Written::MeshChanged;
-  }
-  window_.uploadGeometry(layer);
-  if (isSettled) {
-    window_.markModified(layer);
-  }
-  return Written::Pose;
+  return true;
 }
 
-/// Ends the use of a session whose layer is left. @param meshChanged  by other code
-void LaplacianDragTool::conclude(LayerSession& session, bool meshChanged) {
-  const Edit edit = session.session.recorded();
-  const int position = std::exchange(session.historyPosition, -1);
-  if (!edit.steps.empty() && !meshChanged) {
-    session.inHistory = QString::fromStdString(write_edit(edit));
-    window_.addToHistory(session.inHistory, position);
-  }
+/// Ends the use of a session whose layer is left.
+void LaplacianDragTool::conclude(LayerSession& session) {
   if (session.session.has_steps()) {
     session.session.keep_painted();  // frees the factorisation, which takes much memory
   } else {
@@ -347,7 +337,7 @@ void LaplacianDragTool::finishLeft(LayerSession& session, int layer, bool now) {
       write(session, layer);
       window_.repaint();
     }
-    conclude(session, !isSame);
+    conclude(session);
   });
 }
 
@@ -409,11 +399,9 @@ void LaplacianDragTool::afterEvent() {
   if (!active_) {
     return;
   }
-  const Written written = write(*active_, layer_);
-  if (written == Written::MeshChanged) {
+  if (!write(*active_, layer_)) {
     begin();
   }
-  frame_.posed |= written == Written::Pose;
   readOthers();
   refreshPanel();
   showShape();

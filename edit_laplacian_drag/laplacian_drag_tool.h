@@ -73,9 +73,8 @@ class LaplacianDragTool : public QObject {
   bool isStale();
   void openPanel();
   void leaveLayer(bool forGood);
-  enum class Written { Nothing, Pose, MeshChanged };  // by other code, so that no pose was written
-  Written write(LayerSession& known, int layer);
-  void conclude(LayerSession& session, bool meshChanged);
+  bool write(LayerSession& known, int layer);
+  void conclude(LayerSession& session);
   void leaveViewport();
   lapedit::Cursor cursor() const;
   lapedit::PressModifiers pressModifiers() const;
@@ -94,13 +93,11 @@ class LaplacianDragTool : public QObject {
   void load(const QString& path, int id);
   void takeKeys();
   StatusLine line(bool usable);
-  QVector<QPointF> notToCover() const;
   void drawTexts(QPainter& painter, const StatusLine& line, bool hasLegend);
   bool pressLine();
   bool isCovered();
   void showWarning();
   void offerLayer();
-  void copyPlace();
   void say(const std::string& line);
   void saySwitch(lapedit::DragKey key);
   void saySettings(const lapedit::DragSettings& before);
@@ -135,11 +132,10 @@ class LaplacianDragTool : public QObject {
 
   /// From the first mouse move of a drag that is not shown yet to the image that shows it.
   struct Frame {
-    QElapsedTimer sinceMove, sincePaint;
+    QElapsedTimer sinceMove;
     bool moved = false, posed = false;  // posed: a pose was uploaded to the graphics card since
     int count = 0;                      // complete ones so far
   } frame_;
-  bool repaintQueued_ = false;
 
   int layer_ = -1;
   LayerSession* active_ = nullptr;  // session of the layer, which shared_ owns; null: none

@@ -14,7 +14,6 @@ using namespace lapedit;
 namespace {
 
 constexpr int kWidest = 760, kMargin = 10, kPadding = 7, kFontPixels = 12;
-constexpr int kClearance = 30;       // pixels around positions that the line avoids
 constexpr int kLinesOfMeshLab = 90;  // height in pixels of MeshLab's own lines at the bottom
 constexpr int kHighest = 10000;      // of a text
 
@@ -79,13 +78,9 @@ StatusLine fitted(QPainter& painter, StatusLine line) {
   return line;
 }
 
-QRect drawLine(QPainter& painter, const StatusLine& line, const QVector<QPointF>& avoid) {
-  const QSize view = painter.window().size(), size = sizeOf(painter, line);
-  QRect rectangle(QPoint((view.width() - size.width()) / 2, kMargin), size);
-  const QRectF kept = rectangle.adjusted(-kClearance, -kClearance, kClearance, kClearance);
-  if (std::any_of(avoid.begin(), avoid.end(), [&](const QPointF& pixel) { return kept.contains(pixel); })) {
-    rectangle.moveTop(view.height() - kLinesOfMeshLab - kMargin - size.height());
-  }
+QRect drawLine(QPainter& painter, const StatusLine& line) {
+  const QSize size = sizeOf(painter, line);
+  const QRect rectangle(QPoint((painter.window().width() - size.width()) / 2, kMargin), size);
   background(painter, rectangle, line.warning.isEmpty() ? QColor(18, 18, 22, 175) : QColor(96, 34, 0, 215));
   int y = rectangle.top() + kPadding;
   for (const auto& [paragraph, color] : paragraphsOf(line)) {

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <QPainter>
-#include <QPointF>
 #include <QRect>
 #include <QString>
-#include <QVector>
 
 // Texts over the picture, in pixels of the view, which is the painter's window.
 
@@ -22,9 +20,8 @@ struct StatusLine {
 /// Returns the line without the last sentences, and the position, that would cover more than a quarter of the view.
 StatusLine fitted(QPainter& painter, StatusLine line);
 
-/// Draws the line at the top of the view, or at its bottom if it would cover a pixel to avoid.
-/// @param avoid  pixels that the line should not cover. @return its rectangle
-QRect drawLine(QPainter& painter, const StatusLine& line, const QVector<QPointF>& avoid);
+/// Draws the line at the top of the view. @return its rectangle
+QRect drawLine(QPainter& painter, const StatusLine& line);
 
 /// Draws the table of keys in the middle of the view.
 void drawKeys(QPainter& painter);

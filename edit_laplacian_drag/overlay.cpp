@@ -301,31 +301,6 @@ void drawHover(const HoverPreview& preview) {
 
 }  // namespace
 
-/// Draws the mirror plane, as large as the mesh's box.
-void Overlay::drawPlane(const DragSession& session) {
-  if (!box_) {
-    box_ = bounding_box(session.original().vertices);
-  }
-  if (box_->isEmpty()) {
-    return;
-  }
-  const MirrorPlane plane = *session.tools().mirror;
-  const Vector3 normal = plane.normal.stableNormalized(), middle = box_->center();
-  const Vector3 center = middle - normal.dot(middle - plane.point) * normal;
-  Vector3 sides[2];
-  int most = 0;
-  normal.cwiseAbs().maxCoeff(&most);
-  for (int k = 0; k < 2; ++k) {  // along the layer's axes, as far as the plane is parallel to them
-    const Vector3 axis = Vector3::Unit((most + 1 + k) % 3);
-    sides[k] = (axis - normal.dot(axis) * normal).normalized() * 0.6 * box_->sizes()[(most + 1 + k) % 3];
-  }
-  const Vector3 corners[] = {center - sides[0] - sides[1], center + sides[0] - sides[1], center + sides[0] + sides[1],
-                             center - sides[0] + sides[1]};
-  pen::set(pen::kPurple, 0.12);
-  pen::shape(GL_QUADS, corners);
-  pen::rimmed(pen::kPurple, 1, 0.6, [&] { pen::shape(GL_LINE_LOOP, corners); });
-}
-
 void Overlay::drawGizmoOf(const DragSession& session, const Camera& view) {
   const DragMotion* const motion = session.motion();
   if (!motion) {
@@ -353,9 +328,6 @@ void Overlay::draw(const DragSession& session, const Camera& view, const Options
   const bool onGroup = hover && hover->kind == HoverPreview::Kind::Group;
   if (session.selection().next != Selection::Next::Region) {
     surface_.draw(session, onGroup ? hover->group : -1, options.colours);
-  }
-  if (session.tools().mirror) {
-    drawPlane(session);
   }
   if (hover) {
     drawHover(*hover);

@@ -81,9 +81,7 @@ class Overlay {
 
  private:
   void drawGizmoOf(const lapedit::DragSession& session, const lapedit::Camera& view);
-  void drawPlane(const lapedit::DragSession& session);
 
   SurfacePicture surface_;
-  std::optional<lapedit::Gizmo> gizmo_;     // before the motion
-  std::optional<Eigen::AlignedBox3d> box_;  // of the mesh at the beginning
+  std::optional<lapedit::Gizmo> gizmo_;  // before the motion
 };

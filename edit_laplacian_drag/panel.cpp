@@ -32,6 +32,8 @@ constexpr int kFieldWidth = 160, kButtonWidth = 50;        // pixels; buttons ha
 constexpr double kLongest = 1e12;                          // limit of lengths
 constexpr const char* kListOf = "laplacian_drag_list_of";  // property of a list: the box that it belongs to
 
+constexpr const char* kMethod = "panel/method";  // in the file of settings
+
 const char* const kUnknown = "\u2013";  // a dash, so that no outdated value is shown
 
 /// A number without trailing zeros. A double click selects all of it, and not only the digits before or after the
@@ -120,12 +122,9 @@ void Panel::show(const DragSession* session) {
   if (!has) {
     return;
   }
-  for (Remembered& value : remembered_) {
-    const double now = value.access.get(*session);
-    if (value.stored != now && !(session->tools().gizmo_by_click && value.key == "panel/gizmo")) {
-      value.stored = now;
-      file_.setValue(value.key, now);
-    }
+  const double method = settings_table().front().get(session->settings().edit);
+  if (file_.value(kMethod).toDouble() != method) {
+    file_.setValue(kMethod, method);
   }
   for (const auto& bring : shown_) {
     bring(*session);
@@ -135,21 +134,14 @@ void Panel::show(const DragSession* session) {
   showFigures(*session);
 }
 
-void Panel::remember(const char* part, double high, const Access& access) {
-  const QString key = QString("panel/") + part;
-  bool isNumber = false;
-  const double value = file_.value(key).toDouble(&isNumber);
-  const bool isKnown = isNumber && value >= 0 && value <= high;
-  remembered_.push_back({key, access, isKnown ? std::optional(value) : std::nullopt});
-}
-
 void Panel::recall(DragSession& session) const {
-  for (const Remembered& value : remembered_) {
-    if (value.stored) {
-      value.access.set(session, *value.stored);
-    }
+  const Setting& method = settings_table().front();
+  const double value = file_.value(kMethod).toDouble();
+  if (value >= method.low && value <= method.high) {  // the file may have any number
+    DragSettings settings = session.settings();
+    method.set(settings.edit, value);
+    session.set_settings(settings);
   }
-  session.forget_refusal();
 }
 
 void Panel::showCommands(const DragSession& session) {

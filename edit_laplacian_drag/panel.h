@@ -44,8 +44,7 @@ class Panel : public QDockWidget {
   void show(const lapedit::DragSession* session);
   Colours colours() const;
   void setColours(Colours colours);
-  /// Applies the values stored by earlier runs of MeshLab to a new session. Sizes are not stored: they belong to a
-  /// mesh.
+  /// Applies the method that was used last, also in earlier runs of MeshLab, to a new session.
   void recall(lapedit::DragSession& session) const;
 
  signals:
@@ -76,9 +75,6 @@ class Panel : public QDockWidget {
   static QString nameOf(const QString& part) { return "laplacian_drag_" + part; }
   /// Returns the icon of a button or choice, by <part> of its name; empty if there is none.
   QIcon icon(const QString& part) const;
-
-  /// Stores a value between runs of MeshLab. @param high  its largest value; the smallest is 0
-  void remember(const char* part, double high, const Access& access);
 
   void addBasic();
   void addRegion();
@@ -135,12 +131,6 @@ class Panel : public QDockWidget {
   QVBoxLayout* column_;
   QFormLayout* form_ = nullptr;     ///< of the current group
   lapedit::DragSettings defaults_;  ///< of the mesh
-  struct Remembered {
-    QString key;
-    Access access;
-    std::optional<double> stored;
-  };
-  std::vector<Remembered> remembered_;
   QSettings file_{"laplacian-edit", "laplacian-drag"};
   lapedit::Vector3 middle_ = lapedit::Vector3::Zero();
   std::vector<std::function<void(const lapedit::DragSession&)>> shown_;  ///< one per value

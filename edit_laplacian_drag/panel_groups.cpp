@@ -142,15 +142,15 @@ void Panel::addBasic() {
          {[](const DragSession& session) { return static_cast<int>(session.tools().pivot); },
           [](DragSession& session, int index) { session.set(&Tools::pivot, static_cast<Pivot>(index)); }});
   addMirror();
-  const Access gizmo = {
-      [](const DragSession& session) { return session.tools().gizmo ? 1 + static_cast<int>(session.tools().axes) : 0; },
-      [](DragSession& session, int index) {
-        session.set(&Tools::gizmo, index > 0);
-        session.set(&Tools::axes, static_cast<GizmoAxes>(std::max(index - 1, 0)));
-      }};
   choice("gizmo", tr("Gizmo"), {tr("Hidden"), tr("Axes of the layer"), tr("Axes of the view"), tr("Along the normal")},
-         tr("Arrows move along an axis, rings turn about it, the scale handle scales (V)"), gizmo);
-  remember("gizmo", 3, gizmo);
+         tr("Arrows move along an axis, rings turn about it, the scale handle scales (V)"),
+         {[](const DragSession& session) {
+            return session.tools().gizmo ? 1 + static_cast<int>(session.tools().axes) : 0;
+          },
+          [](DragSession& session, int index) {
+            session.set(&Tools::gizmo, index > 0);
+            session.set(&Tools::axes, static_cast<GizmoAxes>(std::max(index - 1, 0)));
+          }});
   buttons({button("move", tr("Move"), tr("The handle follows the mouse, no button held (T)"), DragKey::Translate),
            button("rotate", tr("Rotate"), tr("The handle turns about its pivot with the mouse (R)"), DragKey::Rotate),
            button("scale", tr("Scale"), tr("The handle grows about its pivot with the mouse (S)"), DragKey::Scale),
@@ -247,7 +247,6 @@ void Panel::addPaint() {
           }});
   number("brush", tr("Brush size"), 1, 1000, 0, tr("Radius of the brush on the screen"),
          access<&DragSettings::brush_pixels>(), tr(" pixels"));
-  remember("brush", 1000, access<&DragSettings::brush_pixels>());
   buttons({button("invert", tr("Invert"), tr("Swaps painted and unpainted vertices")),
            button("blur", tr("Blur"), tr("Makes the outline of what is painted smoother")),
            button("clear", tr("Clear"),
@@ -264,7 +263,6 @@ void Panel::addRegion() {
            button("component", tr("Component"), tr("The region is the whole connected piece of the handle"))});
   choice("falloff", tr("Falloff"), {tr("Even"), tr("Sharp"), tr("Smooth"), tr("Dome")},
          tr("How the handle's disc fades out from its middle to its boundary"), access<&DragSettings::falloff>());
-  remember("falloff", double(Falloff::Dome), access<&DragSettings::falloff>());
   choice("snap", tr("Snap to"), {tr("Off"), tr("Other layers")},
          tr("Where a handle that is moved goes: to the surface of another visible layer under the cursor"),
          {[](const DragSession& session) { return session.tools().snaps ? 1 : 0; },
@@ -273,7 +271,6 @@ void Panel::addRegion() {
          tr("Width of the band inside the region's edge that stays, in percent of its "
             "radius (Ctrl+Shift+wheel)"),
          access<&DragSettings::padding, 100>(), tr(" %"));
-  remember("padding", 100, access<&DragSettings::padding, 100>());
   auto* gap = length("connect_gap", tr("Connect within"),
                      tr("Pieces of the surface, or its borders, that are nearer to each other than this keep their "
                         "distance, such as eyes in a head, or a seam that is open; 0: off"),
@@ -298,10 +295,7 @@ void Panel::addAdvanced() {
       });
     } else if (QString(setting.key) == "membrane") {
       number(setting.key, tr("Keep lengths"), setting.low, setting.high, 6, tip(setting.help), access);
-    } else {
-      continue;
     }
-    remember(setting.key, setting.high, access);
   }
 }
 

@@ -2,7 +2,6 @@
 #include "overlay.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "lapedit/mesh/vertex_set.h"
@@ -26,13 +25,10 @@ const GLubyte* hatch() {
   return pattern.data();
 }
 
-/// Makes the lines that follow dashed. @param wandering  the dashes move with time
-void beginDashes(bool wandering) {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  const auto step = std::chrono::duration_cast<std::chrono::milliseconds>(now).count() / 50 % 16;
-  const unsigned dashes = 0x0FF00FF0U >> (wandering ? step : 0);
+/// Makes the lines that follow dashed.
+void beginDashes() {
   glEnable(GL_LINE_STIPPLE);
-  glLineStipple(static_cast<GLint>(std::ceil(pen::pixelRatio)), static_cast<GLushort>(dashes & 0xFFFFU));
+  glLineStipple(static_cast<GLint>(std::ceil(pen::pixelRatio)), 0x0FF0);
 }
 
 void tint(const std::vector<unsigned>& corners, const pen::Color& color, double alpha) {
@@ -272,7 +268,7 @@ void SurfacePicture::drawRegion(const DragSession& session, Colours colours) {
   drawChains(free_.border, pen::kAnchor, 1.5, 0.8, false);
   drawChains(rim_, pen::kDark, 3.5, 0.7, false);
   if (session.preparation().running) {
-    beginDashes(true);
+    beginDashes();
   }
   drawChains(rim_, pen::kLight, 1.5, 0.95, false);
   glDisable(GL_LINE_STIPPLE);
@@ -349,7 +345,7 @@ void SurfacePicture::drawGroup(const DragSession& session, std::size_t group, bo
     line(width + 2, pen::kDark, 0.85);
     const bool bright = active || hovered;
     if (!bright || (session.preparation().running && !session.shown().region())) {
-      beginDashes(active);
+      beginDashes();
     }
     line(width, bright ? pen::kLight : color, 1);
     glDisable(GL_LINE_STIPPLE);

@@ -32,8 +32,8 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
   if ((modifiers & Qt::ControlModifier) && key == Qt::Key_Z) {
     return modifiers & Qt::ShiftModifier ? DragKey::Redo : DragKey::Undo;
   }
-  if (modifiers == Qt::ControlModifier && (key == Qt::Key_Y || key == Qt::Key_C)) {
-    return key == Qt::Key_Y ? DragKey::Redo : DragKey::Copy;
+  if (modifiers == Qt::ControlModifier && key == Qt::Key_Y) {
+    return DragKey::Redo;
   }
   // On many keyboards brackets need a modifier.
   if (key == Qt::Key_BracketRight || key == Qt::Key_BracketLeft) {
@@ -61,7 +61,7 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
 
 /// Returns whether the window handles a key; MeshLab may have a shortcut with the same key.
 bool isOfWindow(std::optional<DragKey> key) {
-  return key == DragKey::Copy || key == DragKey::Tint || key == DragKey::Help;
+  return key == DragKey::Tint || key == DragKey::Help;
 }
 
 }  // namespace
@@ -89,7 +89,6 @@ bool LaplacianDragTool::handle(QEvent& event) {
       if (poseIsComing()) {
         return true;
       }
-      frame_.sincePaint.start();
       later([this] { framePainted(); });
       break;
     case QEvent::ShortcutOverride:
@@ -426,8 +425,6 @@ void LaplacianDragTool::keyEvent(QKeyEvent& event) {
   const std::optional<DragKey> key = pressed ? sessionKey(event) : std::nullopt;
   if (key == DragKey::Help) {
     shown_.keys = !shown_.keys;
-  } else if (key == DragKey::Copy) {
-    copyPlace();
   } else if (key == DragKey::Tint && shared_) {
     Panel& panel = shared_->panel();
     panel.setColours(panel.colours() == Colours::None ? Colours::Region : Colours::None);

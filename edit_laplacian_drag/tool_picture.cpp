@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QtGui/qopengl.h>
 #include <Eigen/Geometry>
-#include <QClipboard>
-#include <QGuiApplication>
-#include <QTimer>
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -20,9 +17,7 @@ using namespace lapedit::host;
 
 namespace {
 
-constexpr int kLongestWait = 200;  // milliseconds without a picture
-constexpr int kDashWait = 100;     // milliseconds between pictures that only show progress, at least
-constexpr int kDashShare = 5;      // and at least as many times the duration of a picture
+constexpr int kLongestWait = 200;                             // milliseconds without a picture
 constexpr const char* kLineProperty = "laplacian_drag_line";  // of the viewport, for tests
 
 Eigen::Matrix4d matrixOf(GLenum which) {
@@ -32,10 +27,10 @@ Eigen::Matrix4d matrixOf(GLenum which) {
 }
 
 /// Returns the position of a vertex as text, such as "1, 2, 3".
-QString positionOf(const TriangleMesh& mesh, int vertex, int digits) {
+QString positionOf(const TriangleMesh& mesh, int vertex) {
   QStringList numbers;
   for (int k = 0; k < 3; ++k) {
-    numbers += QString::number(mesh.vertices(vertex, k), 'g', digits);
+    numbers += QString::number(mesh.vertices(vertex, k), 'g', 6);
   }
   return numbers.join(", ");
 }
@@ -133,29 +128,9 @@ StatusLine LaplacianDragTool::line(bool usable) {
     }
   }
   if (const HoverPreview* const hover = session.hover(); hover && !window_.suspended() && !session.motion()) {
-    line.position =
-        tr("Vertex %1 at %2 (Ctrl+C copies)").arg(hover->vertex).arg(positionOf(session.mesh(), hover->vertex, 6));
+    line.position = tr("Vertex %1 at %2").arg(hover->vertex).arg(positionOf(session.mesh(), hover->vertex));
   }
   return line;
-}
-
-/// Returns the pixels that the line avoids: the handle and, unless the line can be pressed, the cursor.
-QVector<QPointF> LaplacianDragTool::notToCover() const {
-  QVector<QPointF> pixels;
-  if (active_ && view_.valid()) {
-    const DragSession& session = active_->session;
-    if (offered_ < 0 && session.warning().empty()) {
-      pixels += mouse_.position;
-    }
-    if (session.selection().active >= 0) {
-      const Vector3 position =
-          session.active_map() *
-          centroid(session.mesh().vertices, session.selection().groups[std::size_t(session.selection().active)]);
-      const Vector2 pixel = view_.pixel(position);
-      pixels += QPointF(pixel.x(), pixel.y());
-    }
-  }
-  return pixels;
 }
 
 void LaplacianDragTool::drawTexts(QPainter& painter, const StatusLine& line, bool hasLegend) {
@@ -175,7 +150,7 @@ void LaplacianDragTool::drawTexts(QPainter& painter, const StatusLine& line, boo
     if (shown_.keys) {
       drawKeys(painter);
     } else if (!texts.isEmpty()) {
-      line_ = drawLine(painter, shown, notToCover());
+      line_ = drawLine(painter, shown);
     }
   });
   painter.restore();
@@ -193,15 +168,6 @@ void LaplacianDragTool::framePainted() {
   if (std::exchange(frame_.posed, false) && std::exchange(frame_.moved, false)) {
     ++frame_.count;
     refreshPanel();
-  }
-  // The moving outline of a region shows that it is being prepared; most of the processor is left to the preparation.
-  if (active_ && active_->session.preparation().running && !std::exchange(repaintQueued_, true)) {
-    QTimer::singleShot(std::max(kDashWait, kDashShare * static_cast<int>(frame_.sincePaint.elapsed())), this, [this] {
-      repaintQueued_ = false;
-      if (on_) {
-        window_.repaint();
-      }
-    });
   }
 }
 
@@ -279,15 +245,5 @@ void LaplacianDragTool::offerLayer() {
       offered_ = layer.id;
       notice_ = tr("This is the layer %1, which is not the current one: click here to edit it.").arg(layer.name);
     }
-  }
-}
-
-/// Copies number and coordinates of the vertex under the cursor.
-void LaplacianDragTool::copyPlace() {
-  if (const HoverPreview* const hover = usableLayer() ? active_->session.hover() : nullptr) {
-    const QString position = positionOf(active_->session.mesh(), hover->vertex, 9);
-    QGuiApplication::clipboard()->setText(QString("%1 [%2]").arg(hover->vertex).arg(position));
-    say(tr("On the clipboard: vertex %1 at %2").arg(hover->vertex).arg(position).toStdString());
-    window_.repaint();
   }
 }

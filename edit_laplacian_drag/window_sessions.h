@@ -28,8 +28,6 @@ struct LayerSession {
   lapedit::DragSession session;
   /// Of the layer's mesh. Normals, colours, flags and transforms need not match, since an edit does not depend on them.
   lapedit::host::PoseWriter writer;
-  QString inHistory;                    ///< the last edit in the document's history
-  int historyPosition = -1;             ///< where it was in the history; -1: it is appended
   LaplacianDragTool* leftBy = nullptr;  ///< who left the session with a released drag to be solved; null: none
 };
 

@@ -31,7 +31,6 @@ enum class DragKey : unsigned char {
   Shrink,
   Undo,
   Redo,
-  Copy,
   Tint,
   Help
 };
@@ -75,7 +74,6 @@ inline constexpr KeyHelp kKeyHelp[] = {
     {DragKey::Shrink, DragKey::Shrink, "[", "Shrinks the region by a ring."},
     {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Undoes the last step or stroke, exact to the bit."},
     {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Redoes what was undone last."},
-    {DragKey::Copy, DragKey::Copy, "Ctrl+C", "Copies number and coordinates of the vertex under the cursor."},
     {DragKey::Tint, DragKey::Tint, "H", "Hides the colours of region and handle, and shows them again."},
     {DragKey::Help, DragKey::Help, "?", "Shows all keys over the picture, and hides them again."},
 };

@@ -133,9 +133,9 @@ class Window(XProgram):
                            timeout=PATIENCE, check=False)
         raise AssertionError(f"{sentence}\nWindows:\n{titles}\nOutput of MeshLab:\n{self.text()}")
 
-    def wait_output(self, pattern, times=1):
-        """Until that many lines of MeshLab's output match."""
-        self.wait(lambda: sum(bool(re.search(pattern, line)) for line in self.output) >= times,
+    def wait_output(self, pattern):
+        """Until a line of MeshLab's output matches."""
+        self.wait(lambda: any(re.search(pattern, line) for line in self.output),
                   f"no {pattern!r} in MeshLab's output")
 
     def windows(self, title):
@@ -153,14 +153,14 @@ class Window(XProgram):
         for key in keys:
             self.x("key", key, "sleep", 0.3)
 
-    def save(self, times=1):
+    def save(self):
         self.focus()
         self.keys("ctrl+e")
         self.find("Choose Saving Options")
         # A window that has just come loses keys until it has the keyboard.
         self.wait(lambda: not self.windows("Choose Saving Options") or self.x("key", "Return", "sleep", 2),
                   "the window for saving does not go away")
-        self.wait_output("Saved Mesh", times)
+        self.wait_output("Saved Mesh")
         self.focus()
 
     def quit(self):
@@ -226,8 +226,8 @@ class Package(unittest.TestCase):
         for path in [folder, *folder.rglob("*")]:
             os.chown(path, USER, USER, follow_symlinks=False)
 
-    def moved(self, path):
-        """Checks that some vertices moved and all others kept their bits. @return their coordinates as bits"""
+    def require_moved(self, path):
+        """Some vertices moved, and all others kept their bits."""
         saved = Ply(path)
         self.assertEqual(saved.faces(), self.faces)
         bits = saved.point_bits()
@@ -235,7 +235,6 @@ class Package(unittest.TestCase):
         self.assertEqual(len(bits), len(self.bits))
         self.assertGreater(moved, 100)
         self.assertLess(moved, len(bits) - 100)
-        return bits
 
     def drag_and_save(self, window):
         """With the tool, from about the middle of the sheet."""
@@ -299,7 +298,7 @@ class Package(unittest.TestCase):
         step = {"region": {"radius": 0.4}, "handles": [{"vertices": str(SIDE * SIDE // 2), "translation": [0, 0, 0.3]}]}
         (self.data / "edit.json").write_text(json.dumps({"laplacian_edit": 1, "steps": [step]}))
         root.run("home/.local/bin/laplacian-edit", "flat.ply", "edited.ply", "edit.json")
-        self.moved(self.data / "edited.ply")
+        self.require_moved(self.data / "edited.ply")
         self.check_window(root)
         # MeshLab has made folders and settings of its own meanwhile, and the tool keeps the user's.
         root.run(*uninstall)
@@ -312,22 +311,10 @@ class Package(unittest.TestCase):
         self.assertEqual([path for path in (home / ".local").rglob("*") if "laplacian" in path.name], [])
 
     def check_window(self, root):
-        """The tool; then the filter that the tool left in MeshLab's history, on the mesh as it was."""
-        mesh = self.data / "mesh.ply"
         with Window(root, "/data/mesh.ply") as window:
             self.drag_and_save(window)
-            by_tool = self.moved(mesh)
-            shutil.copy(self.data / "flat.ply", mesh)
-            window.keys("ctrl+alt+l", "ctrl+shift+r")
-            window.wait_output("Opened mesh|All meshes reloaded", 2)
-            # The filter that was applied last is above in the menu, and cannot be chosen: there was none.
-            window.keys("alt+l", "Return")
-            window.find("^Dialog$|Filter Script")
-            window.keys("shift+Tab", "shift+Tab", "Return")
-            window.wait_output("Region: ")
-            window.save(2)
             window.quit()
-        self.assertEqual(self.moved(mesh), by_tool)
+        self.require_moved(self.data / "mesh.ply")
 
     def check_documents(self, added):
         """What the manual page sends a reader to is there."""

@@ -81,15 +81,10 @@ class Gestures(ToolTest):
             off = [a - b for a, b in zip(self.points[near], self.points[self.CENTRE])]
             axis = 0 if abs(off[0]) > abs(off[1]) else 1
 
-            def pictures():
-                w.x("mousemove", 5, 5)
-                self.settle(w)
-                return self.picture(w, *w.pixel(self.CENTRE), half=20), self.picture(w, *w.pixel(far))
-
-            without_plane, _ = pictures()
             w.set(part("mirror"), 4 + axis)  # through the box's centre
-            with_plane, plain = pictures()
-            self.assertNotEqual(with_plane, without_plane, "the plane is not drawn")
+            w.x("mousemove", 5, 5)
+            self.settle(w)
+            plain = self.picture(w, *w.pixel(far))
             w.x("mousemove", *self.on_screen(w, near))
             w.wait(lambda: sum(a != b for a, b in zip(self.picture(w, *w.pixel(far)), plain)) > 100,
                    "the other side is not shown", 20)

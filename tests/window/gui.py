@@ -313,9 +313,6 @@ class Window(XProgram):
         self.idle()
         return reply["views"], reply["current"]
 
-    def clipboard(self, text=None):
-        return self.ask("clipboard", text=text)["text"]
-
     def grab(self, path):
         self.ask("grab", path=str(path))
         return path

@@ -5,7 +5,6 @@ import json
 import unittest
 
 from tool import PANEL, TOOL, ToolTest, part
-from host import replay
 from ply import write_ply
 from shapes import dome, moved
 
@@ -151,10 +150,10 @@ class Leave(LeavingTest):
         self.assertLess(w.output.index("left"), step, "leaving has waited")
 
     def test_released_drag_is_applied_after_the_tool_was_left(self):
-        with self.released() as (w, _, mesh):
+        with self.released() as (w, before, _):
             self.wait_for_step(w)
             self.assertEqual(w.tool()[0], "")
-            self.assert_gives(replay(w.history()[0]["texts"]["edit"]), mesh, w.dump())
+            self.assertIn(self.ROWS_OF_LARGE**2 // 2, before.moved(w.dump()))
 
     def test_released_drag_is_applied_after_the_tool_was_left_and_started_again(self):
         with self.released({"command": "trigger", "text": TOOL}) as (w, before, mesh):
@@ -215,7 +214,7 @@ class Leave(LeavingTest):
             self.assert_same(filtered, w.dump())
 
     def test_by_what_keeps_positions_and_faces(self):
-        """Steps can still be undone, and their edit stays where it was in the history."""
+        """Steps can still be undone."""
         with self.open(self.mesh) as w:  # with flat shading, for which MeshLab normalises normals
             w.resize(1280, 900)
             w.trigger("Front")
@@ -242,10 +241,7 @@ class Leave(LeavingTest):
                 w.key("Z", modifiers=["ctrl"])
                 self.assertEqual(w.dump(0).point_bits(), before)
             w.key("Z", modifiers=["ctrl", "shift"])
-            w.trigger(TOOL)
-            self.assertEqual(len(w.history()), 1 + len(names))
-            self.assertEqual(w.history()[0]["name"], "Laplacian Edit Replay")
-            self.assert_gives(replay(w.history()[0]["texts"]["edit"]), self.mesh, w.dump(0))
+            self.assert_replay_is_the_same(w, self.mesh)
 
     def test_by_a_filter_that_changes_normals(self):
         """A step before it is undone, and so has no part in what later steps restore."""
@@ -417,7 +413,6 @@ class Views(ToolTest):
             self.assertEqual(w.tool(), (TOOL, False))
             self.assert_same(states[2], w.dump())
             self.assertEqual(len(self.panels(w)), 1)
-            self.assertEqual(w.history(), [])
             w.view(index=0)
             self.assertEqual(w.tool()[0], "")
             w.view(index=1)
@@ -430,7 +425,6 @@ class Views(ToolTest):
             self.assert_replay_is_the_same(w, self.mesh)
             w.trigger(TOOL)
             self.assertEqual(self.panels(w), [])
-            self.assertEqual(len(w.history()), 1)
 
     def test_view_is_closed_under_the_tool(self):
         with self.split(self.mesh) as w:

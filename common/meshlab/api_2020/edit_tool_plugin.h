@@ -51,8 +51,5 @@ class HostToolPlugin : public QObject, public MeshEditInterfaceFactory {
 inline void write_log(MeshDocument& document, const std::string& line) {
   document.Log.Log(GLLogStream::FILTER, line);
 }
-inline FilterScript* history_of(MeshDocument& document) {
-  return document.filterHistory;
-}
 
 }  // namespace lapedit::host

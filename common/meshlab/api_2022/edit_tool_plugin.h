@@ -60,8 +60,5 @@ class HostToolPlugin : public QObject, public EditPlugin {
 inline void write_log(MeshDocument& document, const std::string& line) {
   document.Log.log(GLLogStream::FILTER, line);
 }
-inline FilterScript* history_of(MeshDocument& document) {
-  return &document.filterHistory;
-}
 
 }  // namespace lapedit::host

@@ -13,8 +13,6 @@
 
 namespace lapedit::host {
 
-constexpr const char* kReplay = "Laplacian Edit Replay";
-
 // Uses only inline functions of GLArea, since the application exports no others.
 
 QWidget& HostView::viewport() {
@@ -135,33 +133,6 @@ void HostView::turnTo(const Eigen::Vector3d& direction) {
 
 void HostView::endTool() {
   QMetaObject::invokeMethod(area_, "endEdit", Qt::QueuedConnection);
-}
-
-void HostView::addToHistory(const QString& edit, int position) {
-  if (FilterScript* history = filterHistory()) {
-    FilterNameParameterValuesPair entry;
-    entry.first = kReplay;
-    entry.second.addParam(RichString("edit", edit, "Edit", ""));
-    entry.second.addParam(RichFloat("fraction", 1, "Fraction", ""));
-    history->insert(position >= 0 && position < history->size() ? position : history->size(), entry);
-  }
-}
-
-int HostView::removeFromHistory(const QString& edit) {
-  FilterScript* history = filterHistory();
-  for (int i = history == nullptr ? -1 : history->size() - 1; i >= 0; --i) {
-    const auto& parameters = history->at(i).second;
-    if (history->at(i).filterName() == kReplay && parameters.hasParameter("edit") &&
-        parameters.getString("edit") == edit) {
-      history->removeAt(i);
-      return i;
-    }
-  }
-  return -1;
-}
-
-FilterScript* HostView::filterHistory() {
-  return area_->md() != nullptr ? history_of(*area_->md()) : nullptr;
 }
 
 MeshModel* HostView::find(int id) {

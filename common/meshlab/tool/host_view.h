@@ -10,7 +10,6 @@
 #include <vector>
 
 class CMeshO;
-class FilterScript;
 class GLArea;
 class MeshModel;
 class MLSceneGLSharedDataContext;
@@ -67,14 +66,7 @@ class HostView {
   /// Ends the tool after the current event.
   void endTool();
 
-  /// Adds the filter Laplacian Edit Replay to the document's history, if MeshLab keeps one.
-  /// @param position  in the history; -1: at its end
-  void addToHistory(const QString& edit, int position);
-  /// Removes the last such entry of the history. @return its position; -1: it was not there
-  int removeFromHistory(const QString& edit);
-
  private:
-  FilterScript* filterHistory();
   MeshModel* find(int id);
   std::optional<Layer> seen(MeshModel& model);
   void pass(QEvent& event);

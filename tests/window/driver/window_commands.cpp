@@ -2,7 +2,6 @@
 #include <QAbstractButton>
 #include <QAbstractItemView>
 #include <QAction>
-#include <QClipboard>
 #include <QComboBox>
 #include <QDialog>
 #include <QDoubleSpinBox>
@@ -302,11 +301,6 @@ Answer resize(const QJsonObject& arguments) {
   return {};
 }
 
-Answer clipboard(const QJsonObject& arguments) {
-  if (arguments.contains("text")) QApplication::clipboard()->setText(arguments["text"].toString());
-  return {{{"text", QApplication::clipboard()->text()}}};
-}
-
 /// A line among MeshLab's own output.
 Answer print(const QJsonObject& arguments) {
   qInfo("%s", qUtf8Printable(arguments["text"].toString()));
@@ -341,7 +335,6 @@ void add_window_commands(Commands& commands) {
   commands["step"] = step;
   commands["grab"] = grab;
   commands["resize"] = resize;
-  commands["clipboard"] = clipboard;
   commands["print"] = print;
   commands["quit"] = [](const QJsonObject&) { return Answer{{}, [window = &main_window()] { window->close(); }}; };
 }
