@@ -30,7 +30,7 @@ HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
       faces_(mesh),
       tree_(mesh.vertices, usable_vertices(mesh)),
       near_(kOfSize * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm()),
-      discs_(mesh, adjacency),
+      discs_({mesh, adjacency}),
       paths_(adjacency.neighbours, mesh.vertices),
       area_(mesh.vertices.rows(), 0),
       piece_area_(connected_components(adjacency.neighbours, piece_)),
@@ -117,8 +117,7 @@ void HoverSearch::path(int from, int to, Points& positions) {
 
 /// Takes an answer, or stores the message of an error.
 template <class Answer>
-std::optional<Answer> HoverBackground::take(BackgroundTask<Answer>& task,
-                                            const std::shared_ptr<const TriangleMesh>& mesh) {
+std::optional<Answer> HoverBackground::take(BackgroundTask<Answer>& task) {
   try {
     return task.take();
   } catch (const std::bad_alloc&) {
@@ -126,8 +125,6 @@ std::optional<Answer> HoverBackground::take(BackgroundTask<Answer>& task,
   } catch (const std::exception& exception) {
     error_ = exception.what();
   }
-  failed_ = mesh;
-  coming_ = nullptr;
   return std::nullopt;
 }
 
@@ -136,24 +133,20 @@ HoverSearch* HoverBackground::of(const std::shared_ptr<const TriangleMesh>& mesh
   if (ready_ && ready_->mesh == mesh) {
     return &ready_->search;  // stays in use, even if another one is ready
   }
-  if (std::optional<std::shared_ptr<Made>> made = take(making_, coming_)) {
+  if (std::optional<std::shared_ptr<Made>> made = take(making_)) {
     ready_ = std::move(*made);
     asked_.reset();
     finding_.cancel();
   }
-  if (ready_ && ready_->mesh == mesh) {
-    coming_ = nullptr;
-    return &ready_->search;
-  }
-  if (coming_ != mesh && !failed(mesh)) {
-    coming_ = mesh;
+  if (begun_ != mesh) {
+    begun_ = mesh;
     making_.start([mesh, adjacency] { return std::make_shared<Made>(mesh, adjacency); });
   }
-  return nullptr;
+  return ready_ && ready_->mesh == mesh ? &ready_->search : nullptr;
 }
 
 const HoverOutlines* HoverBackground::outlines(const HoverQuery& query) {
-  if (ready_ == nullptr || failed(ready_->mesh)) {
+  if (ready_ == nullptr) {
     return nullptr;
   }
   if (!asked_ || !(*asked_ == query)) {
@@ -161,12 +154,19 @@ const HoverOutlines* HoverBackground::outlines(const HoverQuery& query) {
     outlines_.reset();
     finding_.start([on = ready_, query] { return on->search.outlines(query); });
   }
-  if (std::optional<HoverOutlines> found = take(finding_, ready_->mesh)) {
+  if (std::optional<HoverOutlines> found = take(finding_)) {
     outlines_ = std::move(found);
-  } else if (failed(ready_->mesh)) {
-    asked_.reset();
   }
   return outlines_ ? &*outlines_ : nullptr;
+}
+
+void HoverBackground::retry() {
+  if (!finds_outlines() && !outlines_) {
+    asked_.reset();
+  }
+  if (!making_.busy()) {
+    begun_ = nullptr;
+  }
 }
 
 std::string HoverBackground::poll() {

@@ -69,7 +69,7 @@ class HoverSearch {
   /// O(log faces).
   std::optional<SurfaceHit> hit(const Camera& view, const Vector2& pixel) const;
   const Visibility& faces() const { return faces_; }
-  DiscSearch& discs() { return discs_; }
+  GeodesicSearch& discs() { return discs_; }
   /// Computes the positions along the shortest path, as a click would take it; none unless `to` is one of the
   /// kMostOnPath vertices nearest to `from`.
   /// @param from  -1: none
@@ -90,7 +90,7 @@ class HoverSearch {
   Visibility faces_;
   VertexTree tree_;
   double near_;  // an image is no farther from its vertex
-  DiscSearch discs_;
+  GeodesicSearch discs_;
   ShortestPaths paths_;
   int paths_from_ = -1;
   std::vector<int> piece_;    // of each vertex
@@ -114,9 +114,9 @@ class HoverBackground {
   /// Returns the outlines on the mesh of latest(), null until they are found: of several queries the last counts.
   const HoverOutlines* outlines(const HoverQuery& query);
   bool finds_outlines() const { return finding_.busy(); }  ///< whether outlines are still to be found
-  /// Returns whether an error ended a search over this mesh or for outlines on it: none is tried until retry().
-  bool failed(const std::shared_ptr<const TriangleMesh>& mesh) const { return failed_ == mesh; }
-  void retry() { failed_ = nullptr; }
+  /// Returns whether an error ended the search over this mesh: none is tried until retry().
+  bool failed(const std::shared_ptr<const TriangleMesh>& mesh) const { return begun_ == mesh && !making_.busy(); }
+  void retry();  ///< also outlines that an error ended
   /// Takes outlines, and the message of an error since the last call; empty if there was none.
   std::string poll();
   /// Waits for searches and outlines in progress. For tests.
@@ -133,11 +133,11 @@ class HoverBackground {
   };
 
   template <class Answer>
-  std::optional<Answer> take(BackgroundTask<Answer>& task, const std::shared_ptr<const TriangleMesh>& mesh);
+  std::optional<Answer> take(BackgroundTask<Answer>& task);
 
   std::shared_ptr<Made> ready_;
-  std::shared_ptr<const TriangleMesh> coming_, failed_;
-  std::optional<HoverQuery> asked_;  // the last query on the mesh of ready_
+  std::shared_ptr<const TriangleMesh> begun_;  // of the last search that was begun
+  std::optional<HoverQuery> asked_;            // the last query on the mesh of ready_
   std::optional<HoverOutlines> outlines_;
   std::string error_;
   BackgroundTask<std::shared_ptr<Made>> making_;

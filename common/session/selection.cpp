@@ -19,8 +19,8 @@ namespace {
 using Next = Selection::Next;
 
 /// Returns the surface's search, or makes one in `own`.
-DiscSearch& discs_of(const Surface& surface, std::optional<DiscSearch>& own) {
-  return surface.discs != nullptr ? *surface.discs : own ? *own : own.emplace(surface.mesh, surface.adjacency);
+GeodesicSearch& discs_of(const Surface& surface, std::optional<GeodesicSearch>& own) {
+  return surface.discs ? *surface.discs : own ? *own : own.emplace(PathGraph(surface.mesh, surface.adjacency));
 }
 
 /// Returns the handle of a click. A disc has at least the vertex's neighbours if a region remains around them, since on
@@ -31,7 +31,7 @@ std::vector<int> disc(const Surface& surface, int vertex) {
   if (radius == 0) {
     return {vertex};
   }
-  std::optional<DiscSearch> own;
+  std::optional<GeodesicSearch> own;
   std::vector<int> within = discs_of(surface, own).run({vertex}, rounded_up(radius));
   for (const int w : surface.adjacency.neighbours[vertex]) {
     if ((points.row(w) - points.row(vertex)).norm() <= rounded_up(surface.settings.radius / 2)) {
@@ -71,7 +71,7 @@ std::optional<Refusal> choose_region(const Surface& surface, int vertex, Selecti
   }
   if (joins(selection)) {
     if (selection.region.kind == RegionSpec::Kind::Vertices) {
-      std::optional<DiscSearch> own;
+      std::optional<GeodesicSearch> own;
       std::vector<int> around = discs_of(surface, own).run({vertex}, rounded_up(surface.settings.radius));
       selection =
           with_vertices(selection, united(selection.region.vertices, sorted_set(std::move(around))), surface.settings);
@@ -210,13 +210,13 @@ void follow_discs(const Surface& surface, Selection& selection) {
   const bool counts = selection.discs.all();
   selection.discs.reach = 0;
   selection.weights.assign(selection.groups.size(), {});
-  std::optional<DiscSearch> own;
+  std::optional<GeodesicSearch> own;
   for (std::size_t g = 0; g < selection.groups.size(); ++g) {
     const std::vector<int>& centers = selection.discs.centers[g];
     if (centers.empty() || (!counts && falloff == Falloff::Even)) {
       continue;
     }
-    DiscSearch& search = discs_of(surface, own);
+    GeodesicSearch& search = discs_of(surface, own);
     const std::vector<int>& group = selection.groups[g];
     search.run(centers, rounded_up(radius));
     if (std::any_of(group.begin(), group.end(), [&](int v) { return search.distance(v) == kUnreached; })) {

@@ -116,38 +116,14 @@ struct Refusal {
 /// The selection after a choice, or the reason of a refusal.
 using Choice = std::variant<Selection, Refusal>;
 
-/// Distances from the middles of discs. Keeps the last search, since several functions need the same disc.
-class DiscSearch {
- public:
-  /// Mesh and adjacency must outlive the object.
-  DiscSearch(const TriangleMesh& mesh, const Adjacency& adjacency) : search_({mesh, adjacency}) {}
-
-  /// Runs a search as GeodesicSearch::run() does, unless the last one was the same.
-  const std::vector<int>& run(const std::vector<int>& centers, double radius) {
-    if (reached_ == nullptr || centers != centers_ || radius != radius_) {
-      reached_ = &search_.run(centers, radius);
-      centers_ = centers;
-      radius_ = radius;
-    }
-    return *reached_;
-  }
-  double distance(int vertex) const { return search_.distance(vertex); }
-
- private:
-  GeodesicSearch search_;
-  std::vector<int> centers_;
-  double radius_ = 0;
-  const std::vector<int>* reached_ = nullptr;
-};
-
 /// The context of a choice.
 struct Surface {
   const TriangleMesh& mesh;
   const Adjacency& adjacency;
   const DragSettings& settings;
-  const Region* region = nullptr;  ///< the selection's, classified; null if there is none or it is not known yet
-  bool prepared = false;           ///< the region's distances and anchors belong to the selection's handles
-  DiscSearch* discs = nullptr;     ///< over the mesh; null: made where it is needed, which is O(mesh)
+  const Region* region = nullptr;   ///< the selection's, classified; null if there is none or it is not known yet
+  bool prepared = false;            ///< the region's distances and anchors belong to the selection's handles
+  GeodesicSearch* discs = nullptr;  ///< over the mesh; null: made where it is needed, which is O(mesh)
 };
 
 // Clicks on a vertex -------------------------------------------------------------------------------------------------
