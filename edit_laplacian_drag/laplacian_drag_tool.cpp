@@ -237,7 +237,6 @@ void LaplacianDragTool::handOver(bool sameSession) {
 void LaplacianDragTool::sessionGone() {
   active_ = nullptr;
   layer_ = -1;
-  offered_ = -1;
 }
 
 /// Ends the session of a deleted layer. MeshLab sends no other signal when the last layer is deleted.

@@ -94,10 +94,7 @@ class LaplacianDragTool : public QObject {
   void takeKeys();
   StatusLine line(bool usable);
   void drawTexts(QPainter& painter, const StatusLine& line, bool hasLegend);
-  bool pressLine();
   bool isCovered();
-  void showWarning();
-  void offerLayer();
   void say(const std::string& line);
   void saySwitch(lapedit::DragKey key);
   void saySettings(const lapedit::DragSettings& before);
@@ -110,7 +107,6 @@ class LaplacianDragTool : public QObject {
     bool warning = false;  // whether colours show the warning, until there is none
     bool keys = false;
   } shown_;
-  int offered_ = -1;  // layer that a press on the notice switches to
   bool on_ = false;
   QString nothing_;                                          // reason why there is no session
   Eigen::Vector3i refused_ = Eigen::Vector3i::Constant(-1);  // id, vertices and faces of the layer with that reason
@@ -123,7 +119,6 @@ class LaplacianDragTool : public QObject {
     Qt::KeyboardModifiers modifiers;
     Qt::MouseButton navigating = Qt::NoButton;  // held for MeshLab's navigation
     bool pressed = false, moved = false;
-    bool asks = false;     // a press missed the layer: draw() looks for another one there
     bool inside = false;   // over the viewport, no button held
     QElapsedTimer zoomed;  // since the wheel zoomed beside the mesh
   } mouse_;

@@ -63,21 +63,6 @@ QSize sizeOf(QPainter& painter, const StatusLine& line) {
 
 }  // namespace
 
-StatusLine fitted(QPainter& painter, StatusLine line) {
-  const int room = painter.window().height() / 4;
-  int height = sizeOf(painter, line).height();
-  for (QString* const part : {&line.text, &line.warning}) {
-    while (height > room && part->contains(". ")) {
-      part->truncate(part->lastIndexOf(". ") + 1);
-      height = sizeOf(painter, line).height();
-    }
-  }
-  if (height > room) {
-    line.position.clear();
-  }
-  return line;
-}
-
 QRect drawLine(QPainter& painter, const StatusLine& line) {
   const QSize size = sizeOf(painter, line);
   const QRect rectangle(QPoint((painter.window().width() - size.width()) / 2, kMargin), size);

@@ -17,9 +17,6 @@ struct StatusLine {
   QString warningAndClick() const { return (warning + " " + click).trimmed(); }
 };
 
-/// Returns the line without the last sentences, and the position, that would cover more than a quarter of the view.
-StatusLine fitted(QPainter& painter, StatusLine line);
-
 /// Draws the line at the top of the view. @return its rectangle
 QRect drawLine(QPainter& painter, const StatusLine& line);
 

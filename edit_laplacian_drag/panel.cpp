@@ -36,24 +36,15 @@ constexpr const char* kMethod = "panel/method";  // in the file of settings
 
 const char* const kUnknown = "\u2013";  // a dash, so that no outdated value is shown
 
-/// A number without trailing zeros. A double click selects all of it, and not only the digits before or after the
-/// point.
+/// A number without trailing zeros.
 class NumberBox : public QDoubleSpinBox {
  public:
-  NumberBox() { lineEdit()->installEventFilter(this); }
   QString textFromValue(double value) const override {
     QString text = QDoubleSpinBox::textFromValue(value);
     while (text.contains('.') && (text.endsWith('0') || text.endsWith('.'))) {
       text.chop(1);
     }
     return text;
-  }
-  bool eventFilter(QObject* object, QEvent* event) override {
-    if (event->type() == QEvent::MouseButtonDblClick) {
-      selectAll();
-      return true;
-    }
-    return QDoubleSpinBox::eventFilter(object, event);
   }
 };
 

@@ -231,11 +231,13 @@ void LaplacianDragTool::navigate(const QMouseEvent& event) {
 
 void LaplacianDragTool::mousePress(const QMouseEvent& event) {
   takeKeys();
-  if (event.button() == Qt::LeftButton && pressLine()) {
+  if (event.button() == Qt::LeftButton && line_.contains(mouse_.position.toPoint()) && active_ &&
+      !active_->session.warning().empty() && !active_->session.motion()) {
+    shown_.warning = true;  // a click on the line colours the stretch and marks folds
+    afterEvent();
     return;
   }
   notice_.clear();
-  offered_ = -1;
   shown_.keys = false;
   if (event.button() == Qt::RightButton && active_ && active_->session.motion()) {
     cancelMotion();
@@ -266,17 +268,18 @@ void LaplacianDragTool::mousePress(const QMouseEvent& event) {
   const bool covered = !active_->session.motion() && !lasso && isCovered();
   if (covered || (!active_->session.press(cursor(), pressModifiers()) && event.modifiers() == Qt::NoModifier)) {
     mouse_.pressed = false;
-    mouse_.asks = true;
     mouse_.navigating = Qt::LeftButton;
     navigate(event);
   }
   afterEvent();
+  if (covered) {
+    say(tr("Another layer covers the surface there: hide it, or make it the current one.").toStdString());
+  }
 }
 
 void LaplacianDragTool::mouseMove(const QMouseEvent& event) {
   takeKeys();
-  // While a layer is offered, the notice stays, since the mouse has to reach it.
-  if (offered_ < 0 && (mouse_.position - mouse_.noticedAt).manhattanLength() > kNoticePixels) {
+  if ((mouse_.position - mouse_.noticedAt).manhattanLength() > kNoticePixels) {
     notice_.clear();
     if (active_ && event.buttons() == Qt::NoButton) {
       active_->session.forget_refusal();
@@ -349,7 +352,6 @@ void LaplacianDragTool::mouseRelease(const QMouseEvent& event) {
 void LaplacianDragTool::wheel(QWheelEvent& event) {
   event.accept();
   notice_.clear();
-  offered_ = -1;
   if (active_) {
     active_->session.forget_refusal();
   }

@@ -2,12 +2,8 @@
 #include <QtGui/qopengl.h>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <limits>
 #include <utility>
 
-#include "lapedit/mesh/surface_measures.h"
-#include "lapedit/mesh/vertex_set.h"
-#include "lapedit_host/mesh_bridge.h"
 #include "laplacian_drag_tool.h"
 
 using namespace lapedit;
@@ -33,21 +29,6 @@ QString positionOf(const TriangleMesh& mesh, int vertex) {
     numbers += QString::number(mesh.vertices(vertex, k), 'g', 6);
   }
   return numbers.join(", ");
-}
-
-/// Returns the approximate distance of a point from a mesh, to some of its vertices; infinity outside the mesh's box.
-double distanceAbout(const CMeshO& mesh, const Vector3& point) {
-  constexpr std::size_t kSome = 4096;
-  double nearest = std::numeric_limits<double>::infinity();
-  const double margin = 0.01 * mesh.bbox.Diag();
-  if (((point - to_core(mesh.bbox.min)).array() < -margin).any() ||
-      ((point - to_core(mesh.bbox.max)).array() > margin).any()) {
-    return nearest;
-  }
-  for (std::size_t v = 0; v < mesh.vert.size(); v += mesh.vert.size() / kSome + 1) {
-    nearest = std::min(nearest, (to_core(mesh.vert[v].cP()) - point).norm());
-  }
-  return nearest;
 }
 
 }  // namespace
@@ -77,9 +58,6 @@ void LaplacianDragTool::drawAll(QPainter& painter) {
   const auto layer = usableLayer();
   const QWidget& viewport = window_.viewport();
   worldToClip_ = matrixOf(GL_PROJECTION_MATRIX) * matrixOf(GL_MODELVIEW_MATRIX);
-  if (std::exchange(mouse_.asks, false)) {
-    offerLayer();
-  }
   bool hasLegend = false;
   if (layer) {
     view_ = Camera(worldToClip_ * layer->transform, viewport.width(), viewport.height());
@@ -139,8 +117,7 @@ void LaplacianDragTool::drawTexts(QPainter& painter, const StatusLine& line, boo
   painter.save();
   painter.setRenderHints(QPainter::Antialiasing | QPainter::TextAntialiasing);
   guarded([&] {
-    const StatusLine shown = fitted(painter, line);
-    QStringList texts{shown.text, shown.warningAndClick(), shown.position};
+    QStringList texts{line.text, line.warningAndClick(), line.position};
     texts.removeAll(QString());
     window_.viewport().setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
     if (hasLegend) {
@@ -150,7 +127,7 @@ void LaplacianDragTool::drawTexts(QPainter& painter, const StatusLine& line, boo
     if (shown_.keys) {
       drawKeys(painter);
     } else if (!texts.isEmpty()) {
-      line_ = drawLine(painter, shown);
+      line_ = drawLine(painter, line);
     }
   });
   painter.restore();
@@ -171,23 +148,6 @@ void LaplacianDragTool::framePainted() {
   }
 }
 
-/// Handles a press on the line over the picture. @return whether there was one
-bool LaplacianDragTool::pressLine() {
-  if (!line_.contains(mouse_.position.toPoint())) {
-    return false;
-  }
-  if (offered_ >= 0) {
-    window_.setCurrentLayer(std::exchange(offered_, -1));
-    notice_.clear();
-    return true;
-  }
-  if (active_ && !active_->session.warning().empty() && !active_->session.motion()) {
-    showWarning();
-    return true;
-  }
-  return false;
-}
-
 /// Returns whether another layer hides the surface that a press would pick.
 bool LaplacianDragTool::isCovered() {
   constexpr double kNearer = 0.002;  // of the depth range; marks are drawn a little before the surface
@@ -202,48 +162,4 @@ bool LaplacianDragTool::isCovered() {
   }
   const Vector3 clip = (worldToClip_ * layer->transform * point->homogeneous()).hnormalized();
   return window_.depthAt(mouse_.position, kAround) < (clip.z() + 1) / 2 - kNearer;
-}
-
-/// Colours the stretch, marks folds and turns the view to them, or to the handle.
-void LaplacianDragTool::showWarning() {
-  const DragSession& session = active_->session;
-  std::vector<int> vertices;
-  if (const auto report = session.figures().report) {
-    for (const auto& fold : report->causes.folds) {
-      vertices.insert(vertices.end(), fold.begin(), fold.end());
-    }
-  }
-  const auto layer = usableLayer();
-  if (layer && !vertices.empty()) {
-    // Use the surface around the folds, since folds may face any direction.
-    std::vector<int> around = grown(session.adjacency(), grown(session.adjacency(), sorted_set(std::move(vertices))));
-    window_.turnTo(layer->transform.topLeftCorner<3, 3>() *
-                   mean_normal(session.original(), session.given_adjacency(), around));
-  }
-  shown_.warning = true;
-  afterEvent();
-}
-
-/// Offers to switch to another layer whose surface was pressed. Finds the position by the depth of the picture, without
-/// a search in the layers' faces.
-void LaplacianDragTool::offerLayer() {
-  const QWidget& viewport = window_.viewport();
-  const QPointF at = mouse_.pressedAt;
-  const double depth = window_.depthAt(at, 0);
-  if (depth >= 1) {
-    return;  // the background
-  }
-  const Vector3 world = (worldToClip_.inverse() * Eigen::Vector4d(2 * at.x() / viewport.width() - 1,
-                                                                  1 - 2 * at.y() / viewport.height(), 2 * depth - 1, 1))
-                            .hnormalized();
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Layer& layer : window_.layers()) {
-    const Vector3 local = (layer.transform.inverse() * world.homogeneous()).hnormalized();
-    const double away = layer.id != layer_ && layer.visible ? distanceAbout(*layer.mesh, local) : nearest;
-    if (away < nearest) {
-      nearest = away;
-      offered_ = layer.id;
-      notice_ = tr("This is the layer %1, which is not the current one: click here to edit it.").arg(layer.name);
-    }
-  }
 }

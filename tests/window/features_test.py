@@ -49,18 +49,6 @@ class Start(ToolTest):
             w.set(part("group_advanced"), False)
             self.assertFalse(w.widget(part("membrane"))["visible"])
 
-    def test_line_is_shorter_in_a_narrow_view(self):
-        with self.start(self.mesh, disc=40) as w:
-            w.resize(620, 480)
-            self.pull(w, self.CENTRE, (150, -40))
-            w.idle()
-            text = self.message(w)
-            self.assertRegex(text, r"^Drag the handle[^.]*\.\s.*folded.* Click here to see where\.")
-            self.assertNotRegex(text, "Click inside the region|passes")
-            w.resize(1280, 900)
-            w.idle()
-            self.assertRegex(self.message(w), "(?s)Click inside the region.*passes.*Click here to see where")
-
     def test_few_inputs_are_shown(self):
         """At most 38, 18 of them in Basic, at rest and during a motion, when Apply and Cancel replace others."""
         kinds = ("QDoubleSpinBox", "QSpinBox", "QSlider", "QComboBox", "QCheckBox", "QPushButton", "QLineEdit", "QListWidget")

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keys go where the mouse is, and the line over the picture: by X events, without a click on the picture first."""
-import math
 import re
 import unittest
 
@@ -145,13 +144,6 @@ class Keyboard(ToolTest):
             self.assertEqual(w.tool(), (TOOL, False))
             self.assertEqual(w.widget(part("radius"))["value"], radius)
 
-    def test_double_click_selects_a_whole_number(self):
-        with self.start(self.mesh) as w:
-            w.x_focus()
-            self.click_widget(w, part("radius"), right=30, repeat=2)
-            self.x_key(w, "period", "3", "Return")
-            self.assertEqual(w.widget(part("radius"))["value"], 0.3)
-
     def test_keys_are_shown_by_their_key_and_button(self):
         with self.start(self.mesh) as w:
             w.x_focus()
@@ -220,23 +212,12 @@ class Line(ToolTest):
             w.idle()
             x, y = w.pixel(self.CENTRE)
             self.assertIn(b"\xff\x00\x00", self.picture(w, x, y, half=150), "no folded triangle is red")
-            self.assertGreater(math.dist((x, y), pixel), 2, "the view has not turned")
             self.assert_same(before, w.dump())
             self.assertNotRegex(self.message(w), "Click here")
             self.assertEqual(len(self.steps_in_log(w)), 1)
             w.key("Z", modifiers=["ctrl"])
             self.assertNotRegex(self.message(w), "folded|times as long")
             self.assertNotIn(b"\xff\x00\x00", self.picture(w, *w.pixel(self.CENTRE), half=150))
-
-    def test_other_layer_is_named_and_can_be_chosen(self):
-        aside = write_ply(self.folder / "aside.ply", *moved((self.points, self.faces), offset=(1.3, 0, 0)))
-        with self.start(self.mesh, aside) as w:
-            w.layer(0, current=True)
-            w.click(*w.pixel(self.CENTRE, layer=1))
-            self.assertRegex(self.message(w), r"layer aside\.ply.*click here")
-            self.press_line(w)
-            w.wait(lambda: w.layers()[1]["current"], "the layer did not become the current one", 20)
-            self.assertEqual(w.tool(), (TOOL, False))
 
 
 class Layers(ToolTest):
@@ -257,7 +238,7 @@ class Layers(ToolTest):
             self.assertEqual(self.steps_in_log(w), [])
             w.trigger("Front")
             w.click(*w.pixel(self.CENTRE, layer=0))
-            self.assertRegex(self.message(w), r"layer cover\.ply.*click here")
+            self.assertRegex(self.message(w), "Another layer covers the surface")
             w.layer(1, visible=False)
             self.pull(w, self.CENTRE, (20, -20))
             self.assertEqual(len(self.steps_in_log(w)), 1)

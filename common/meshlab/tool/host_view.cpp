@@ -5,7 +5,6 @@
 
 #include <QApplication>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "edit_tool_plugin.h"
@@ -48,17 +47,6 @@ std::vector<Layer> HostView::layers() {
     }
   }
   return list;
-}
-
-void HostView::setCurrentLayer(int id) {
-  QMetaObject::invokeMethod(
-      area_,
-      [this, id] {
-        if (area_->md() != nullptr && find(id) != nullptr) {
-          area_->md()->setCurrentMesh(id);
-        }
-      },
-      Qt::QueuedConnection);
 }
 
 void HostView::uploadGeometry(int layer) {
@@ -118,17 +106,6 @@ void HostView::navigate(const QWheelEvent& event) {
   QWheelEvent copy(event.position(), event.globalPosition(), QPoint(), angle, event.buttons(), Qt::NoModifier,
                    Qt::NoScrollPhase, false);
   pass(copy);
-}
-
-void HostView::turnTo(const Eigen::Vector3d& direction) {
-  vcg::Quaternionf& rotation = area_->trackball.track.rot;
-  const Eigen::Vector3f given = direction.normalized().cast<float>();
-  const vcg::Point3f viewer(0, 0, 1), seen = rotation.Rotate(vcg::Point3f(given.x(), given.y(), given.z()));
-  const vcg::Point3f across = seen ^ viewer;
-  if (given.allFinite()) {
-    const vcg::Point3f axis = across.Norm() > 0 ? across : vcg::Point3f(0, 1, 0);
-    rotation = vcg::Quaternionf(std::atan2(across.Norm(), seen * viewer), axis) * rotation;
-  }
 }
 
 void HostView::endTool() {

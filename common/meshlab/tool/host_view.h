@@ -42,9 +42,8 @@ class HostView {
   std::optional<Layer> currentLayer();
   std::optional<Layer> layer(int id);
   std::vector<Layer> layers();
-  void setCurrentLayer(int id);  ///< after the current event
-  bool suspended();              ///< the tool is shown, but MeshLab handles mouse and keys
-  bool loading();                ///< MeshLab is reading a mesh, so that no layer can be used
+  bool suspended();  ///< the tool is shown, but MeshLab handles mouse and keys
+  bool loading();    ///< MeshLab is reading a mesh, so that no layer can be used
 
   /// Uploads the layer's changed positions and normals to the graphics card. Not while drawing.
   void uploadGeometry(int layer);
@@ -59,9 +58,6 @@ class HostView {
   /// Passes an event to MeshLab's navigation, as if this button had been used.
   void navigate(const QMouseEvent& event, Qt::MouseButton as);
   void navigate(const QWheelEvent& event);
-
-  /// Rotates the view so that a direction of the world points at the viewer.
-  void turnTo(const Eigen::Vector3d& direction);
 
   /// Ends the tool after the current event.
   void endTool();
