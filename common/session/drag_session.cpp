@@ -48,16 +48,12 @@ std::string DragSession::message() const {
   if (solver_.waits()) {
     return solver_.in<Loading>() ? messages::kLoading : messages::kSolving;
   }
-  const bool is_large = model_.shown.part_of_piece() > 0.5 &&
-                        model_.selection.region.kind != RegionSpec::Kind::Component && model_.has_active_group() &&
-                        model_.shown.held_by_nothing() == 0 && !model_.tools.paint;
-  std::string text = is_large ? format_text(messages::kLargeRegion, 100 * model_.shown.part_of_piece()) : std::string();
   if (const Dragging* const drag = solver_.in<Dragging>()) {
-    text += format_text(messages::kDragging, drag->motion.text().c_str(),
-                        drag->by_button ? "release" : "click or press Return");
+    const std::string text = format_text(messages::kDragging, drag->motion.text().c_str(),
+                                         drag->by_button ? "release" : "click or press Return");
     return solver_.figures().full_frames ? text + messages::kFullFrames : text;
   }
-  text += next_click();
+  std::string text = next_click();
   if (model_.tools.pivot != Pivot::Centroid && !model_.tools.awaits_pivot() && !model_.tools.paint) {
     text += model_.tools.pivot == Pivot::Boundary ? messages::kTurnsAboutBoundary : messages::kTurnsAboutPoint;
   }
@@ -391,11 +387,7 @@ void DragSession::go_to(std::size_t actions) {
   const bool again = wanted > before;
   bool is_step = false;
   while (timeline().done().size() != wanted) {
-    const std::size_t steps = model_.history.steps().size();
     is_step = again ? model_.redo() : model_.undo();
-    model_.log(is_step ? format_text(messages::kStepChanged, again ? steps + 1 : steps, again ? "redone" : "undone")
-               : again ? messages::kStrokeRedone
-                       : messages::kStrokeUndone);
   }
   if (wanted == before) {
     return;

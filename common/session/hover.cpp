@@ -32,25 +32,16 @@ HoverSearch::HoverSearch(const TriangleMesh& mesh, const Adjacency& adjacency)
       near_(kOfSize * bounding_box(mesh.vertices, usable_vertices(mesh)).diagonal().norm()),
       discs_({mesh, adjacency}),
       paths_(adjacency.neighbours, mesh.vertices),
-      area_(mesh.vertices.rows(), 0),
       piece_area_(connected_components(adjacency.neighbours, piece_)),
       search_({mesh, adjacency}) {
-  for (int v = 0; v < static_cast<int>(area_.size()); ++v) {
+  for (int v = 0; v < static_cast<int>(piece_.size()); ++v) {
+    double area = 0;  // a third of that of the faces around
     for (const int f : adjacency.faces[v]) {
-      const double area = area_normal(mesh, f).norm() / 6;
-      area_[v] += std::isfinite(area) ? area : 0;
+      const double third = area_normal(mesh, f).norm() / 6;
+      area += std::isfinite(third) ? third : 0;
     }
-    piece_area_[piece_[v]] += area_[v];
+    piece_area_[piece_[v]] += area;
   }
-}
-
-double HoverSearch::part_of_piece(const std::vector<int>& vertices) const {
-  std::vector<double> areas(piece_area_.size());
-  for (const int v : vertices) {
-    areas[piece_[v]] += area_[v];
-  }
-  const auto most = std::max_element(areas.begin(), areas.end());
-  return most != areas.end() && *most > 0 ? *most / piece_area_[most - areas.begin()] : 0;
 }
 
 std::optional<SurfaceHit> HoverSearch::hit(const Camera& view, const Vector2& pixel) const {

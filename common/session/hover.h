@@ -75,8 +75,6 @@ class HoverSearch {
   /// @param from  -1: none
   void path(int from, int to, Points& positions);
 
-  /// Returns the fraction of a piece's area that vertices have: of the piece of which they have the most. O(vertices).
-  double part_of_piece(const std::vector<int>& vertices) const;
   /// O(kMostVertices) at most.
   HoverOutlines outlines(const HoverQuery& query);
 
@@ -93,8 +91,7 @@ class HoverSearch {
   GeodesicSearch discs_;
   ShortestPaths paths_;
   int paths_from_ = -1;
-  std::vector<int> piece_;    // of each vertex
-  std::vector<double> area_;  // of each vertex: a third of that of its faces
+  std::vector<int> piece_;  // of each vertex
   std::vector<double> piece_area_;
   // Of outlines().
   GeodesicSearch search_;

@@ -36,8 +36,6 @@ constexpr const char* kTurnsAboutBoundary = " A drag turns about the shoulder (e
 constexpr const char* kTurnsAboutPoint = " A drag turns about the point picked; Shift moves.";
 constexpr const char* kDragHandles =
     "Drag a handle: %zu of %zu move together, the others hold; Shift+click on a handle adds or removes it.";
-// Begins a text.
-constexpr const char* kLargeRegion = "The region has %.0f %% of its piece: turn the wheel for a smaller one. ";
 constexpr const char* kBendCurve =
     "Drag a point of the curve to bend it, the line between points to move all of it; click inside the region for "
     "another handle.";
@@ -111,13 +109,10 @@ constexpr const char* kSingleVertex =
 constexpr const char* kStrokeOf[] = {"Paint: region", "Paint: handle", "Paint: fixed"};  // by BrushTarget
 /// Returns the name of a step in the list of actions. @param moved  the groups that it moves
 std::string name_of(const EditStep& step, const std::vector<int>& moved);
-constexpr const char* kStrokeUndone = "stroke of the brush undone";
-constexpr const char* kStrokeRedone = "stroke of the brush redone";
 constexpr const char* kNotPossible = "not possible: %s";
 std::string step_applied(std::size_t number, const DragMotion& motion, const std::vector<int>& handle, int region_size);
 constexpr const char* kStepAdjusted = "step %zu%s: region of %d vertices";
 constexpr const char* kEditApplied = "%zu step%s of a saved edit applied";
 constexpr const char* kLoadedStepAdvice = "step %zu of the saved edit: %s";
-constexpr const char* kStepChanged = "step %zu %s";
 
 }  // namespace lapedit::messages

@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -420,34 +419,16 @@ Choice shrunk_by_a_ring(const Surface& surface, const Selection& selection) {
 }
 
 Selection with_margin(const Surface& surface, const Selection& selection) {
-  const auto& neighbours = surface.adjacency.neighbours;
-  std::vector<int> region = selection.region.vertices, edge;
-  const auto is_inside = [&region](int v) { return contains(region, v); };
-  for (const int v : region) {
-    if (!std::all_of(neighbours[v].begin(), neighbours[v].end(), is_inside)) {
-      edge.push_back(v);
-    }
-  }
-  const auto ring_at = [&neighbours](const std::vector<int>& ring, const auto& takes) {
-    std::vector<int> next;
-    for (const int v : ring) {
-      std::copy_if(neighbours[v].begin(), neighbours[v].end(), std::back_inserter(next), takes);
-    }
-    return sorted_set(std::move(next));
-  };
+  const Adjacency& adjacency = surface.adjacency;
+  std::vector<int> region = selection.region.vertices, inner = shrunk(adjacency, region, {});
+  std::vector<int> edge = without(region, inner);
   int depth = 0;
-  std::vector<char> seen(region.size(), 0);
   for (std::vector<int> ring = edge; !ring.empty(); ++depth) {
-    for (const int v : ring) {
-      seen[index_in(region, v)] = 1;
-    }
-    ring = ring_at(ring, [&](int w) {
-      const int at = index_in(region, w);
-      return at >= 0 && !seen[at];
-    });
+    ring = common(grown(adjacency, ring), inner);
+    inner = without(inner, ring);
   }
   for (int k = 0; k < (3 * depth + 3) / 4; ++k) {
-    edge = ring_at(edge, [&](int w) { return !is_inside(w); });
+    edge = without(grown(adjacency, edge), region);
     region = united(region, edge);
   }
   return with_vertices(selection, std::move(region), surface.settings);

@@ -32,9 +32,8 @@ PoseChange joined(const PoseChange& older, const std::vector<int>& vertices, con
 
 // --- The shown region ------------------------------------------------------------------------------------------------
 
-void ShownRegion::show(std::shared_ptr<const Region> region, const TriangleMesh& mesh, double part_of_piece) {
+void ShownRegion::show(std::shared_ptr<const Region> region, const TriangleMesh& mesh) {
   region_ = std::move(region);
-  part_of_piece_ = part_of_piece;
   std::fill(std::begin(counts_), std::end(counts_), 0);
   held_by_nothing_ = 0;
   if (region_) {
@@ -173,9 +172,7 @@ void SessionModel::show(const std::vector<int>& vertices, const Points& position
 }
 
 void SessionModel::show_region(std::shared_ptr<const Region> region) {
-  const bool known = region && background.latest();
-  const double part = known ? background.latest()->part_of_piece(region->mesh_vertex) : 0;
-  shown.show(std::move(region), mesh(), part);
+  shown.show(std::move(region), mesh());
   others = 0;
   if (shown.region() && !weld.empty()) {
     std::vector<int> all = shown.region()->mesh_vertex, rows;

@@ -172,8 +172,8 @@ class Timeline {
 /// The shown region and its pose.
 class ShownRegion {
  public:
-  /// Shows a region as it is in the mesh; null: none. @param part_of_piece  HoverSearch::part_of_piece(); 0: unknown
-  void show(std::shared_ptr<const Region> region, const TriangleMesh& mesh, double part_of_piece = 0);
+  /// Shows a region as it is in the mesh; null: none.
+  void show(std::shared_ptr<const Region> region, const TriangleMesh& mesh);
   /// Stores a region that is shown together with its first pose; until then the old one stays.
   void await(std::shared_ptr<const Region> region) { awaited_ = std::move(region); }
   std::shared_ptr<const Region> take_awaited() { return std::move(awaited_); }
@@ -192,7 +192,6 @@ class ShownRegion {
   int count(VertexClass c) const { return counts_[static_cast<int>(c)]; }
   /// Returns the number of vertices in pieces that a single handle would move rigidly, since nothing else holds them.
   int held_by_nothing() const { return held_by_nothing_; }
-  double part_of_piece() const { return part_of_piece_; }
   bool away() const { return away_; }  ///< the pose differs from the mesh
 
  private:
@@ -200,7 +199,6 @@ class ShownRegion {
   Points pose_;
   int counts_[4] = {};
   int held_by_nothing_ = 0;
-  double part_of_piece_ = 0;
   int serial_ = 0, region_serial_ = 0;
   bool away_ = false;
 };

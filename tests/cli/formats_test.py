@@ -203,10 +203,6 @@ class Damage(ProgramTest):
                 (self.work / name).write_bytes(data + (bytes(100) if name.startswith("binary") else b"\r\n \n"))
                 self.assertIn("faces: 800\n", self.done("--info", name))
 
-    def test_text_in_utf_16(self):
-        (self.work / "sixteen.obj").write_bytes(files.obj(files.sheet()).decode().encode("utf-16"))
-        self.refused(UNREADABLE, "UTF-16: save it in UTF-8", "--info", "sixteen.obj")
-
     def test_a_polygon_of_more_corners_than_vertices(self):
         for name, write in (("a.obj", files.obj), ("a.off", files.off), ("a.ply", lambda m: files.ply("binary_big_endian", m, count="int"))):
             self.check_refusal(name, write((files.sheet()[0], [100000 * [0, 1, 12]])), math.inf)

@@ -95,22 +95,7 @@ TEST(DragPerson, FirstRadiusIsThatOfALimbButNotOfTheBody) {
     ASSERT_NE(window.session.shown().region(), nullptr) << spot.name;
     EXPECT_EQ(window.session.settings().radius != usual, spot.is_limb) << spot.name;
     EXPECT_LT(window.region().size(), window.session.mesh().vertices.rows() / 3) << spot.name;
-    EXPECT_FALSE(window.says("of its piece")) << spot.name;
   }
-}
-
-TEST(DragPerson, RegionWithMostOfItsPieceSaysSo) {
-  Window window(person(), support::view_from(Vector3(0, 0, 9), Vector3::Zero(), Vector3::UnitY()));
-  const int belly = support::vertex_at(window.session.mesh(), Vector3(0, 0.3, 0.3));
-  window.change([](DragSettings& s) { s.radius = 1.8; });
-  window.press(belly);
-  window.session.wait();
-  EXPECT_TRUE(window.says("% of its piece")) << window.session.message();
-  window.session.move(window.at(belly, Vector2(30, 0)));
-  EXPECT_TRUE(window.says("% of its piece") && window.says("Moving by")) << window.session.message();
-  window.session.cancel();
-  window.change([](DragSettings& s) { s.radius = 0.8; });
-  EXPECT_FALSE(window.says("of its piece")) << window.session.message();
 }
 
 TEST_P(DragFeatures, RadiusThatTheUserSetsIsKept) {
