@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -11,7 +10,6 @@
 
 #include "files/files.h"
 #include "files/system.h"
-#include "formats/text_reader.h"
 #include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/stopwatch.h"
@@ -46,10 +44,7 @@ ScanData scanOf(const MeshFile& file, std::string name) {
   const FileNormals& normals = file.normals.front();
   scan.normals.resize(scan.mesh.vertices.rows(), 3);
   for (std::size_t k = 0; k < count; ++k) {
-    const NumberKind kind = normals.kinds[k % 3];
-    scan.normals.data()[k] = kind == NumberKind::Float || kind == NumberKind::Double
-                                 ? realAt(file.bytes, normals.at[k], isSingle(kind) ? 4 : 8, file.bigEndian)
-                                 : std::strtod(file.bytes.data() + normals.at[k], nullptr);
+    scan.normals.data()[k] = file.numberAt(normals.at[k], *normals.types[k % 3]);
   }
   return scan;
 }

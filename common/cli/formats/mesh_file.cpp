@@ -5,7 +5,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
 #include <cstdlib>
 #include <string_view>
 #include <utility>
@@ -31,11 +30,13 @@ class Rewriter {
  public:
   explicit Rewriter(const MeshFile& file) : file_(file), bytes_(file.bytes) {}
 
-  void replace(NumberKind kind, std::size_t at, double number) {
-    if (kind == NumberKind::Float || kind == NumberKind::Double) {
-      return putReal(bytes_, at, isSingle(kind) ? 4 : 8, file_.bigEndian, number);
+  void replace(const NumberType& type, std::size_t at, double number) {
+    const std::string text = textOf(type, number);
+    if (file_.isText) {
+      replace(at, wordEnd(at), text);
+    } else {
+      bytes_.replace(at, text.size(), text);
     }
-    replace(at, wordEnd(at), shortestText(number, isSingle(kind)));
   }
 
   /// Replaces the bytes from `at` to `end`. Texts before one byte, which replace none, come in the order of these
@@ -43,15 +44,6 @@ class Rewriter {
   void replace(std::size_t at, std::size_t end, const std::string& text) {
     pieces_.push_back({at, end, texts_.size(), text.size()});
     texts_ += text;
-  }
-
-  void replace(const FileColumn& column, std::size_t at, double number) {
-    const std::string text = textOf(*column.type, number);
-    if (file_.isText) {
-      replace(at, wordEnd(at), text);
-    } else {
-      bytes_.replace(at, text.size(), text);
-    }
   }
 
   /// Returns a number as the file has it. Whole numbers are rounded, and keep within their range.
@@ -63,13 +55,7 @@ class Rewriter {
     if (file_.isText) {
       return type.isReal ? shortestText(number, type.size == 4) : std::to_string(static_cast<long long>(number));
     }
-    std::string bytes(type.size, 0);
-    if (type.isReal) {
-      putReal(bytes, 0, type.size, file_.bigEndian, number);
-    } else {
-      putBits(bytes, 0, type.size, file_.bigEndian, static_cast<std::uint64_t>(static_cast<long long>(number)));
-    }
-    return bytes;
+    return bytesOf(number, type, file_.bigEndian);
   }
 
   std::string finished() {
@@ -139,7 +125,7 @@ int replaceNormals(const FileNormals& normals, const Points& points, const Faces
     const bool isShared = all[n].moved > 0 && all[n].moved < all[n].corners && !normals.ofFaces;
     shared += isShared;
     for (int k = 0; k < 3 && all[n].moved > 0 && !isShared && length > 0 && std::isfinite(length); ++k) {
-      rewriter.replace(normals.kinds[k], normals.at[3 * n + k], all[n].sum[k] / length);
+      rewriter.replace(*normals.types[k], normals.at[3 * n + k], all[n].sum[k] / length);
     }
   }
   return shared;
@@ -170,7 +156,7 @@ void replaceColumns(const MeshFile& file, const Carried& carried, Rewriter& rewr
         rewriter.replace(end, end,
                          (file.isText ? " " : "") + rewriter.textOf(*column.type, std::isnan(value) ? none : value));
       } else if (!std::isnan(value)) {
-        rewriter.replace(*own, own->at[static_cast<std::size_t>(v)], value);
+        rewriter.replace(*own->type, own->at[static_cast<std::size_t>(v)], value);
       }
     }
   }
@@ -188,10 +174,13 @@ const FileColumn* MeshFile::column(const std::string& name) const {
 Eigen::VectorXd MeshFile::valuesOf(const FileColumn& column) const {
   Eigen::VectorXd values(static_cast<Eigen::Index>(column.at.size()));
   for (std::size_t v = 0; v < column.at.size(); ++v) {
-    values[static_cast<Eigen::Index>(v)] = isText ? std::strtod(bytes.data() + column.at[v], nullptr)
-                                                  : numberAt(bytes, column.at[v], *column.type, bigEndian);
+    values[static_cast<Eigen::Index>(v)] = numberAt(column.at[v], *column.type);
   }
   return values;
+}
+
+double MeshFile::numberAt(std::size_t at, const NumberType& type) const {
+  return isText ? std::strtod(bytes.data() + at, nullptr) : binaryNumber(bytes, at, type, bigEndian);
 }
 
 MeshReader readerOf(const std::string& path) {
@@ -219,10 +208,10 @@ std::string MeshFile::edited(const EditResult& result, int& sharedNormals, const
   for (std::size_t i = 0; i < count; ++i) {
     const auto v = static_cast<Eigen::Index>(vertices.empty() ? i : static_cast<std::size_t>(vertices[i]));
     for (int k = 0; k < 3; ++k) {
-      const double number = isSingle(positions.kinds[k]) ? static_cast<float>(after(v, k)) : after(v, k);
+      const double number = positions.types[k]->size == 4 ? static_cast<float>(after(v, k)) : after(v, k);
       if (number != mesh.vertices(v, k) && std::isfinite(number)) {
         isMoved[static_cast<std::size_t>(v)] = 1;
-        rewriter.replace(positions.kinds[k], positions.at[3 * i + k], number);
+        rewriter.replace(*positions.types[k], positions.at[3 * i + k], number);
       }
     }
   }

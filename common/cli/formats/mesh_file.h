@@ -20,16 +20,17 @@ class UnreadableMesh : public std::runtime_error {
 /// Returns a number with the fewest digits that identify it in its precision.
 std::string shortestText(double number, bool isFloat);
 
-/// The representation of a number in a file.
-enum class NumberKind : unsigned char { FloatText, DoubleText, Float, Double };
-
-inline bool isSingle(NumberKind kind) {
-  return kind == NumberKind::Float || kind == NumberKind::FloatText;
-}
+/// The type of a number in a file, with its names in PLY.
+struct NumberType {
+  const char *name, *newName;
+  std::size_t size;
+  bool isReal, isSigned;
+};
+constexpr NumberType kFloat = {"float", "float32", 4, true, true}, kDouble = {"double", "float64", 8, true, true};
 
 /// Positions or normals in a file.
 struct FileVectors {
-  std::array<NumberKind, 3> kinds = {NumberKind::DoubleText, NumberKind::DoubleText, NumberKind::DoubleText};
+  std::array<const NumberType*, 3> types = {&kDouble, &kDouble, &kDouble};
   std::vector<std::size_t> at;  ///< three per vector: where its numbers begin, in bytes from the beginning of the file
 };
 
@@ -37,13 +38,6 @@ struct FileVectors {
 struct FileNormals : FileVectors {
   bool ofFaces = false;       ///< weighted by area; otherwise by the angles at corners
   std::vector<int> ofCorner;  ///< triangle corner -> normal; it has none if there is no such normal
-};
-
-/// The type of a number in PLY.
-struct NumberType {
-  const char *name, *newName;
-  std::size_t size;
-  bool isReal, isSigned;
 };
 
 /// A number that each vertex of a PLY file has and that can be carried over to another mesh.
@@ -68,7 +62,8 @@ struct Carried {
 /// A mesh file in memory, with the locations of its coordinates. An edit changes these numbers and no other byte.
 struct MeshFile {
   std::string bytes;
-  std::string space;  ///< coordinate system that the header names, "RAS" or "LPS"; empty: none
+  std::string space;   ///< coordinate system that the header names, "RAS" or "LPS"; empty: none
+  bool isText = true;  ///< otherwise numbers are in binary, in this order of their bytes
   bool bigEndian = false;
   lapedit::TriangleMesh mesh;  ///< polygons are fanned, from the first corner but for quads of OFF
   lapedit::StoredScalar scalar = lapedit::StoredScalar::Double;
@@ -81,7 +76,6 @@ struct MeshFile {
 
   // Of PLY: colours, quality and texture coordinates of vertices, with texture and byte where a line for another one
   // can be put into the header, and the end of each vertex's row.
-  bool isText = true;
   std::vector<FileColumn> columns;
   std::string texture;  ///< the first one, which vertices use; its name begins at textureAt
   std::size_t textureAt = 0, headerAt = 0;
@@ -91,6 +85,8 @@ struct MeshFile {
   /// values, one per vertex.
   const FileColumn* column(const std::string& name) const;
   Eigen::VectorXd valuesOf(const FileColumn& column) const;
+  /// Returns the number of a type at a byte.
+  double numberAt(std::size_t at, const NumberType& type) const;
 
   /// Returns the bytes of the file with the positions of an edit: numbers that did not change keep their bytes. Normals
   /// of moved vertices, and of faces with a moved vertex, are computed with unit length; they keep their bytes where

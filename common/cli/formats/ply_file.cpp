@@ -14,9 +14,14 @@ using namespace lapedit;
 namespace {
 
 constexpr NumberType kTypes[] = {
-    {"char", "int8", 1, false, true},      {"uchar", "uint8", 1, false, false},  {"short", "int16", 2, false, true},
-    {"ushort", "uint16", 2, false, false}, {"int", "int32", 4, false, true},     {"uint", "uint32", 4, false, false},
-    {"float", "float32", 4, true, true},   {"double", "float64", 8, true, true},
+    {"char", "int8", 1, false, true},
+    {"uchar", "uint8", 1, false, false},
+    {"short", "int16", 2, false, true},
+    {"ushort", "uint16", 2, false, false},
+    {"int", "int32", 4, false, true},
+    {"uint", "uint32", 4, false, false},
+    kFloat,
+    kDouble,
 };
 
 /// The meaning of a property for this program: a number of a position or a normal, or one of the others.
@@ -36,7 +41,7 @@ struct Element {
   std::size_t count = 0;
   std::vector<Property> properties;
   std::set<std::string> names;  ///< of the properties
-  FileVectors vectors[2];       ///< how positions and normals are written
+  FileVectors vectors[2];       ///< positions, normals
   int realNumbers[2] = {0, 0};  ///< how many of these properties are float or double
 };
 
@@ -51,7 +56,7 @@ class PlyReader {
 
   MeshFile read() {
     readHeader();
-    for (const Element& element : elements_) {
+    for (Element& element : elements_) {
       const bool isVertex = element.name == "vertex", isFace = element.name == "face";
       for (row_ = 0; row_ < element.count && !element.properties.empty(); ++row_) {
         readRow(element);
@@ -113,7 +118,7 @@ class PlyReader {
     at_ = std::min(file().bytes.size() - text_.left() + more, file().bytes.size());
     text_.seek(at_);
     file().isText = is_text_;
-    takeKinds();
+    requirePositions();
   }
 
   void readElement() {
@@ -159,11 +164,8 @@ class PlyReader {
       }
     }
     if (property.role <= NormalZ && property.type->isReal) {
-      const bool isFloat = property.type->size == 4;
       ++elements_.back().realNumbers[property.role / 3];
-      elements_.back().vectors[property.role / 3].kinds[property.role % 3] =
-          is_text_ ? (isFloat ? NumberKind::FloatText : NumberKind::DoubleText)
-                   : (isFloat ? NumberKind::Float : NumberKind::Double);
+      elements_.back().vectors[property.role / 3].types[property.role % 3] = property.type;
     }
     if (property.countType != nullptr && !property.type->isReal &&
         (name == "vertex_indices" || name == "vertex_index")) {
@@ -180,26 +182,17 @@ class PlyReader {
     elements_.back().properties.push_back(property);
   }
 
-  void takeKinds() {
-    bool hasPositions = false;
-    for (const Element& element : elements_) {
-      if (element.name == "vertex") {
-        hasPositions = element.realNumbers[0] == 3;
-        has_vertex_normals_ = element.realNumbers[1] == 3;
-        file().positions = element.vectors[0];
-        vertex_normals_.kinds = element.vectors[1].kinds;
-      } else if (element.name == "face") {
-        has_face_normals_ = element.realNumbers[1] == 3;
-        face_normals_.kinds = element.vectors[1].kinds;
-      }
-    }
-    if (!hasPositions) {
+  void requirePositions() {
+    const auto vertex = std::find_if(elements_.begin(), elements_.end(),
+                                     [](const Element& element) { return element.name == "vertex"; });
+    if (vertex == elements_.end() || vertex->realNumbers[0] != 3) {
       throw UnreadableMesh(
           "its header names no vertices whose x, y and z are float or double: convert it with MeshLab");
     }
-    const auto& kinds = file().positions.kinds;
-    file().scalar = std::all_of(kinds.begin(), kinds.end(), isSingle) ? StoredScalar::Float : StoredScalar::Double;
-    face_normals_.ofFaces = true;
+    const auto& types = vertex->vectors[0].types;
+    const bool isSingle =
+        std::all_of(types.begin(), types.end(), [](const NumberType* type) { return type->size == 4; });
+    file().scalar = isSingle ? StoredScalar::Float : StoredScalar::Double;
   }
 
   // The rows.
@@ -220,10 +213,10 @@ class PlyReader {
     }
     number_at_ = at_;
     skip(type.size);
-    return numberAt(file().bytes, number_at_, type, file().bigEndian);
+    return binaryNumber(file().bytes, number_at_, type, file().bigEndian);
   }
 
-  void readRow(const Element& element) {
+  void readRow(Element& element) {
     flags_ = 0;
     corners_.clear();
     for (const Property& property : element.properties) {
@@ -239,6 +232,12 @@ class PlyReader {
         positions_[property.role] = number_at_;
       } else if (property.column >= 0) {
         file().columns[static_cast<std::size_t>(property.column)].at.push_back(number_at_);
+      }
+    }
+    for (int k = 0; k < 2; ++k) {
+      if (element.realNumbers[k] == 3) {
+        std::vector<std::size_t>& at = element.vectors[k].at;
+        at.insert(at.end(), positions_ + 3 * k, positions_ + 3 * k + 3);
       }
     }
   }
@@ -262,10 +261,6 @@ class PlyReader {
   void endVertex() {
     mesh_.addVertex(numbers_);
     file().rowEnds.push_back(is_text_ ? file().bytes.size() - text_.left() : at_);
-    file().positions.at.insert(file().positions.at.end(), positions_, positions_ + 3);
-    if (has_vertex_normals_) {
-      vertex_normals_.at.insert(vertex_normals_.at.end(), positions_ + 3, positions_ + 6);
-    }
     if ((flags_ & kSelected) != 0) {
       file().selected.vertices.push_back(static_cast<int>(row_));
     }
@@ -273,17 +268,14 @@ class PlyReader {
 
   void addFace(const std::vector<long long>& corners, int normal) {
     mesh_.addPolygon(corners);
-    while (face_normals_.ofCorner.size() < 3 * mesh_.faceCount()) {
-      face_normals_.ofCorner.insert(face_normals_.ofCorner.end(), {normal, -1, -1});
+    while (face_normals_.size() < 3 * mesh_.faceCount()) {
+      face_normals_.insert(face_normals_.end(), {normal, -1, -1});
     }
   }
 
   void endFace() {
     const std::size_t before = mesh_.faceCount();
     addFace(corners_, static_cast<int>(row_));
-    if (has_face_normals_) {
-      face_normals_.at.insert(face_normals_.at.end(), positions_ + 3, positions_ + 6);
-    }
     if ((flags_ & kSelected) != 0) {
       for (std::size_t f = before; f < mesh_.faceCount(); ++f) {
         file().selectedFaces.push_back(static_cast<int>(f));
@@ -307,11 +299,20 @@ class PlyReader {
 
   MeshFile finished() {
     file().selected.of_faces = sorted_set(std::move(file().selected.of_faces));
-    if (has_vertex_normals_) {
-      mesh_.addVertexNormals(std::move(vertex_normals_));
-    }
-    if (has_face_normals_) {
-      file().normals.push_back(std::move(face_normals_));
+    for (Element& element : elements_) {
+      FileNormals normals;
+      static_cast<FileVectors&>(normals) = std::move(element.vectors[1]);
+      const bool hasNormals = element.realNumbers[1] == 3;
+      if (element.name == "vertex") {
+        file().positions = std::move(element.vectors[0]);
+        if (hasNormals) {
+          mesh_.addVertexNormals(std::move(normals));
+        }
+      } else if (element.name == "face" && hasNormals) {
+        normals.ofFaces = true;
+        normals.ofCorner = std::move(face_normals_);
+        file().normals.push_back(std::move(normals));
+      }
     }
     return mesh_.finished();
   }
@@ -321,7 +322,7 @@ class PlyReader {
   MeshBuilder mesh_;
   std::vector<Element> elements_;
   std::set<std::string> names_;  // of the elements
-  bool has_format_ = false, is_text_ = true, has_vertex_normals_ = false, has_face_normals_ = false;
+  bool has_format_ = false, is_text_ = true;
   std::size_t at_ = 0;  // position in binary rows
   TextReader text_;     // reads the header, and rows in text
 
@@ -331,7 +332,7 @@ class PlyReader {
   long long flags_ = 0;
   std::vector<long long> corners_;
 
-  FileNormals vertex_normals_, face_normals_;
+  std::vector<int> face_normals_;  // triangle corner -> normal of its face
 };
 
 }  // namespace

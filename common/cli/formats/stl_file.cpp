@@ -60,15 +60,15 @@ MeshFile meshOf(std::string bytes, Triangles triangles) {
 
 Triangles readBinary(const std::string& bytes, std::size_t count) {
   Triangles triangles;
-  triangles.positions.kinds.fill(NumberKind::Float);
-  triangles.normals.kinds.fill(NumberKind::Float);
+  triangles.positions.types.fill(&kFloat);
+  triangles.normals.types.fill(&kFloat);
   std::array<double, 3> corner = {};
   for (std::size_t begin = kHeader; begin < kHeader + kTriangle * count; begin += kTriangle) {
     for (std::size_t k = 0; k < 12; ++k) {
       const std::size_t at = begin + 4 * k;
       (k < 3 ? triangles.normals : triangles.positions).at.push_back(at);
       if (k >= 3) {
-        corner[k % 3] = realAt(bytes, at, 4, false);
+        corner[k % 3] = binaryNumber(bytes, at, kFloat, false);
       }
       if (k >= 3 && k % 3 == 2) {
         triangles.corners.push_back(corner);
@@ -137,6 +137,7 @@ MeshFile readStl(std::string bytes) {
   requireEnd(bytes, size);
   Triangles triangles = readBinary(bytes, count);
   MeshFile file = meshOf(std::move(bytes), std::move(triangles));
+  file.isText = false;
   file.scalar = StoredScalar::Float;
   return file;
 }

@@ -59,37 +59,36 @@ std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size,
   return bits;
 }
 
-void putBits(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, std::uint64_t bits) {
-  for (std::size_t k = 0; k < size; ++k) {
-    bytes[at + (isBigEndian ? size - 1 - k : k)] = static_cast<char>(bits >> 8 * k);
+double binaryNumber(const std::string& bytes, std::size_t at, const NumberType& type, bool isBigEndian) {
+  const std::uint64_t bits = bitsAt(bytes, at, type.size, isBigEndian), sign = std::uint64_t{1} << (8 * type.size - 1);
+  if (!type.isReal) {
+    return static_cast<double>(bits) - (type.isSigned && (bits & sign) != 0 ? 2 * static_cast<double>(sign) : 0);
   }
-}
-
-double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian) {
-  const std::uint64_t bits = bitsAt(bytes, at, size, isBigEndian);
   const auto low = static_cast<std::uint32_t>(bits);
   double number = 0;
   float single = 0;
   std::memcpy(&number, &bits, sizeof number);
   std::memcpy(&single, &low, sizeof single);
-  return size == 8 ? number : single;
+  return type.size == 8 ? number : single;
 }
 
-double numberAt(const std::string& bytes, std::size_t at, const NumberType& type, bool isBigEndian) {
-  if (type.isReal) {
-    return realAt(bytes, at, type.size, isBigEndian);
-  }
-  const std::uint64_t bits = bitsAt(bytes, at, type.size, isBigEndian), sign = std::uint64_t{1} << (8 * type.size - 1);
-  return static_cast<double>(bits) - (type.isSigned && (bits & sign) != 0 ? 2 * static_cast<double>(sign) : 0);
-}
-
-void putReal(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, double number) {
-  const auto single = static_cast<float>(number);
+std::string bytesOf(double number, const NumberType& type, bool isBigEndian) {
   std::uint64_t bits = 0;
-  std::uint32_t low = 0;
-  std::memcpy(&bits, &number, sizeof number);
-  std::memcpy(&low, &single, sizeof single);
-  putBits(bytes, at, size, isBigEndian, size == 8 ? bits : low);
+  if (!type.isReal) {
+    bits = static_cast<std::uint64_t>(static_cast<long long>(number));
+  } else if (type.size == 8) {
+    std::memcpy(&bits, &number, sizeof number);
+  } else {
+    const auto single = static_cast<float>(number);
+    std::uint32_t low = 0;
+    std::memcpy(&low, &single, sizeof single);
+    bits = low;
+  }
+  std::string bytes(type.size, 0);
+  for (std::size_t k = 0; k < type.size; ++k) {
+    bytes[isBigEndian ? type.size - 1 - k : k] = static_cast<char>(bits >> 8 * k);
+  }
+  return bytes;
 }
 
 bool endsWord(char letter) {

@@ -53,14 +53,11 @@ void requireText(const std::string& bytes);
 /// @throws UnreadableMesh if other bytes than blanks and zeros follow the first `size` ones
 void requireEnd(const std::string& bytes, std::size_t size);
 
-/// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary; putBits() writes them.
+/// Returns the bits of a number of 1, 2, 4 or 8 bytes in binary.
 std::uint64_t bitsAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
-void putBits(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, std::uint64_t bits);
-/// Reads a real number of 4 or 8 bytes in binary; putReal() writes one.
-double realAt(const std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian);
-/// Reads a number of any type in binary.
-double numberAt(const std::string& bytes, std::size_t at, const NumberType& type, bool isBigEndian);
-void putReal(std::string& bytes, std::size_t at, std::size_t size, bool isBigEndian, double number);
+/// Reads a number in binary; bytesOf() returns the bytes of one.
+double binaryNumber(const std::string& bytes, std::size_t at, const NumberType& type, bool isBigEndian);
+std::string bytesOf(double number, const NumberType& type, bool isBigEndian);
 
 /// Returns whether a word ends at a byte.
 bool endsWord(char letter);

@@ -150,19 +150,6 @@ TEST(Gizmo, TheNearHalfOfARingIsPreferredToTheFarHalfOfAnother) {
   EXPECT_GT(crossings, 10);
 }
 
-TEST(Gizmo, AxesAndKindsOfItsElements) {
-  const Gizmo gizmo = place_gizmo(kCenter, GizmoAxes::Normal, Vector3(1, 2, 3), seen_from(kEyes[0]));
-  for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_EQ(kind_of(arrow(axis)), MotionKind::Translate);
-    EXPECT_EQ(kind_of(ring(axis)), MotionKind::Rotate);
-    EXPECT_EQ(*axis_of(gizmo, arrow(axis)), gizmo.axes.col(axis));
-    EXPECT_EQ(*axis_of(gizmo, ring(axis)), gizmo.axes.col(axis));
-  }
-  EXPECT_EQ(kind_of(GizmoElement::Scale), MotionKind::Scale);
-  EXPECT_FALSE(axis_of(gizmo, GizmoElement::Scale));
-  EXPECT_FALSE(axis_of(gizmo, GizmoElement::None));
-}
-
 TEST(Gizmo, ItsRingsTurnWhatIsUnderTheCursorAlongWithIt) {
   int turned = 0;
   std::vector<Camera> views = {mirrored()};

@@ -305,13 +305,5 @@ TEST(FirstFrames, SmallRegionIsNotDisturbedByLargeOnesThatWereDropped) {
   }
 }
 
-TEST(SolverThread, EndsInTheMiddleOfItsWork) {
-  for (int i = 0; i < 20; ++i) {
-    SolverThread worker(nullptr);
-    worker.prepare(small_task(30));
-    worker.solve(kUp, false);
-  }
-}
-
 }  // namespace
 }  // namespace lapedit::solver_thread_test
