@@ -77,14 +77,14 @@ QFileDialog* askForFile(QWidget* parent, const QString& suggested, bool saves) {
 }
 
 /// Writes an edit as JSON or, if the file's name ends in .mlx, as a filter script. @return a line for the user
-std::string saveEdit(const QString& path, const Edit& edit) {
+QString saveEdit(const QString& path, const Edit& edit) {
   const QByteArray json = QByteArray::fromStdString(write_edit(edit));
   const QByteArray text = path.endsWith(".mlx") ? filterScript(json) : json;
   QSaveFile file(path);
   if (!file.open(QIODevice::WriteOnly) || file.write(text) != text.size() || !file.commit()) {
-    return QString("The edit could not be written to %1: %2.").arg(path, file.errorString()).toStdString();
+    return QString("The edit could not be written to %1: %2.").arg(path, file.errorString());
   }
-  return QString("The edit was saved as %1.").arg(path).toStdString();
+  return QString("The edit was saved as %1.").arg(path);
 }
 
 }  // namespace
@@ -114,10 +114,10 @@ void LaplacianDragTool::later(const std::function<void()>& call) {
       this, [this, call] { guarded(call); }, Qt::QueuedConnection);
 }
 
-void LaplacianDragTool::say(const std::string& line) {
-  notice_ = QString::fromStdString(line);
+void LaplacianDragTool::say(const QString& line) {
+  notice_ = line;
   mouse_.noticedAt = mouse_.position;
-  window_.log(notice_.toStdString());
+  window_.log(line.toStdString());
 }
 
 // --- On and off -----------------------------------------------------------------------------------------------------
@@ -161,7 +161,7 @@ bool LaplacianDragTool::begin() {
   if (!layer) {
     nothing_ = tr("There is no mesh: open one first.");
     if (!on_) {
-      say(nothing_.toStdString());
+      say(nothing_);
       // The tool does not start, and so cannot draw its line over the picture.
       QWidget& viewport = window_.viewport();
       QToolTip::showText(viewport.mapToGlobal(viewport.rect().center()), nothing_, &viewport);
@@ -478,8 +478,7 @@ void LaplacianDragTool::ask(const Layer& layer, bool saves) {
 void LaplacianDragTool::load(const QString& path, int id) {
   const auto layer = usableLayer();
   if (!layer || layer->id != id) {
-    say(tr("The edit was not loaded, since the layer is not the current one any more: switch to it, and load again.")
-            .toStdString());
+    say(tr("The edit was not loaded, since the layer is not the current one any more: switch to it, and load again."));
     return;
   }
   std::vector<DocumentLayer> layers;

@@ -95,7 +95,7 @@ class LaplacianDragTool : public QObject {
   StatusLine line(bool usable);
   void drawTexts(QPainter& painter, const StatusLine& line, bool hasLegend);
   bool isCovered();
-  void say(const std::string& line);
+  void say(const QString& line);
   void saySwitch(lapedit::DragKey key);
   void saySettings(const lapedit::DragSettings& before);
 

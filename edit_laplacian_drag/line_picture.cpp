@@ -39,40 +39,25 @@ void background(QPainter& painter, const QRect& rectangle, const QColor& color) 
   painter.drawRoundedRect(rectangle, 5, 5);
 }
 
-using Paragraphs = std::vector<std::pair<QString, QColor>>;
-
-Paragraphs paragraphsOf(const StatusLine& line) {
-  return {
-      {line.text, Qt::white}, {line.warningAndClick(), colorOf(pen::kYellow)}, {line.position, QColor(190, 200, 210)}};
-}
-
-int widestOf(const QPainter& painter) {
-  return std::min(kWidest, painter.window().width() - 2 * kMargin) - 2 * kPadding;
-}
-
-/// Returns the size of the line with its margin, and sets the font.
-QSize sizeOf(QPainter& painter, const StatusLine& line) {
-  setFont(painter, kFontPixels);
-  QSize size(0, 2 * kPadding);
-  for (const auto& [paragraph, color] : paragraphsOf(line)) {
-    const QSize needed = sizeOf(painter, widestOf(painter), paragraph);
-    size = QSize(std::max(size.width(), needed.width() + 2 * kPadding + 2), size.height() + needed.height());
-  }
-  return size;
-}
-
 }  // namespace
 
 QRect drawLine(QPainter& painter, const StatusLine& line) {
-  const QSize size = sizeOf(painter, line);
+  const std::pair<QString, QColor> paragraphs[] = {
+      {line.text, Qt::white}, {line.warning, colorOf(pen::kYellow)}, {line.position, QColor(190, 200, 210)}};
+  setFont(painter, kFontPixels);
+  const int widest = std::min(kWidest, painter.window().width() - 2 * kMargin) - 2 * kPadding;
+  QSize size(0, 2 * kPadding);
+  for (const auto& [paragraph, color] : paragraphs) {
+    const QSize needed = sizeOf(painter, widest, paragraph);
+    size = QSize(std::max(size.width(), needed.width() + 2 * kPadding + 2), size.height() + needed.height());
+  }
   const QRect rectangle(QPoint((painter.window().width() - size.width()) / 2, kMargin), size);
   background(painter, rectangle, line.warning.isEmpty() ? QColor(18, 18, 22, 175) : QColor(96, 34, 0, 215));
   int y = rectangle.top() + kPadding;
-  for (const auto& [paragraph, color] : paragraphsOf(line)) {
+  for (const auto& [paragraph, color] : paragraphs) {
     painter.setPen(color);
-    const QRect place(rectangle.left() + kPadding, y, widestOf(painter), kHighest);
-    painter.drawText(place, Qt::TextWordWrap, paragraph);
-    y += sizeOf(painter, place.width(), paragraph).height();
+    painter.drawText(QRect(rectangle.left() + kPadding, y, widest, kHighest), Qt::TextWordWrap, paragraph);
+    y += sizeOf(painter, widest, paragraph).height();
   }
   return rectangle;
 }

@@ -10,11 +10,8 @@
 /// The line over the picture.
 struct StatusLine {
   QString text;           ///< what happens, or what the next click does
-  QString warning = {};   ///< shown in another colour; empty: none
-  QString click = {};     ///< what a click on the line does, after the warning
+  QString warning = {};   ///< shown in another colour, with what a click on the line does; empty: none
   QString position = {};  ///< vertex under the cursor; empty: none
-
-  QString warningAndClick() const { return (warning + " " + click).trimmed(); }
 };
 
 /// Draws the line at the top of the view. @return its rectangle

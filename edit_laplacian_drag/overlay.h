@@ -15,7 +15,6 @@
 /// The meaning of the colours over the surface.
 enum class Colours {
   Region,
-  RegionAtRest,  ///< not while dragging
   Stretch,
   None  ///< outlines only
 };

@@ -375,9 +375,9 @@ void Panel::showHistory(const Timeline& timeline) {
 void Panel::addView() {
   begin("statistics", tr("View and figures"), tr("Colours over the surface, counts and quality"));
   colours_ = field<QComboBox>("colours", tr("Colours"),
-                              tr("What the colours over the surface show; H hides them: with no colours, or "
-                                 "with none during a drag, the shading of the surface is seen"));
-  colours_->addItems({tr("Region"), tr("Region, not in a drag"), tr("Stretch"), tr("None")});
+                              tr("What the colours over the surface show; H hides them: with no colours the shading of "
+                                 "the surface is seen"));
+  colours_->addItems({tr("Region"), tr("Stretch"), tr("None")});
   connect(colours_, QOverload<int>::of(&QComboBox::activated), this, [this] { change([](DragSession&) {}); });
   const std::tuple<QLabel*, const char*, QString> figures[] = {
       {region_, "region", tr("Vertices of the region by class, and of the mesh outside it")},

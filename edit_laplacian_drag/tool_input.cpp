@@ -273,7 +273,7 @@ void LaplacianDragTool::mousePress(const QMouseEvent& event) {
   }
   afterEvent();
   if (covered) {
-    say(tr("Another layer covers the surface there: hide it, or make it the current one.").toStdString());
+    say(tr("Another layer covers the surface there: hide it, or make it the current one."));
   }
 }
 

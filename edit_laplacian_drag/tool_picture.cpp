@@ -22,15 +22,6 @@ Eigen::Matrix4d matrixOf(GLenum which) {
   return matrix;
 }
 
-/// Returns the position of a vertex as text, such as "1, 2, 3".
-QString positionOf(const TriangleMesh& mesh, int vertex) {
-  QStringList numbers;
-  for (int k = 0; k < 3; ++k) {
-    numbers += QString::number(mesh.vertices(vertex, k), 'g', 6);
-  }
-  return numbers.join(", ");
-}
-
 }  // namespace
 
 void LaplacianDragTool::draw(QPainter& painter) {
@@ -67,8 +58,7 @@ void LaplacianDragTool::drawAll(QPainter& painter) {
       session.leave();
     }
     shown_.warning = shown_.warning && !session.warning().empty();
-    const Colours colours = shown_.warning ? Colours::Stretch : shared_->panel().colours();
-    options.colours = colours == Colours::RegionAtRest ? (session.motion() ? Colours::None : Colours::Region) : colours;
+    options.colours = shown_.warning ? Colours::Stretch : shared_->panel().colours();
     hasLegend = options.colours == Colours::Stretch && session.shown().region();
     options.takes = mouse_.modifiers & Qt::ShiftModifier;
     const bool paints = options.takes || mouse_.modifiers & Qt::ControlModifier || session.tools().paint;
@@ -100,13 +90,13 @@ StatusLine LaplacianDragTool::line(bool usable) {
                      .arg(static_cast<int>(100 * session.preparation().progress));
   }
   if (const std::string warning = session.warning(); !warning.empty() && notice_.isEmpty()) {
-    line.warning = QString::fromStdString(warning);
-    if (!session.motion() && !shown_.warning) {
-      line.click = tr("Click here to see where.");
-    }
+    const bool canBeShown = !session.motion() && !shown_.warning;
+    line.warning = QString::fromStdString(warning) + (canBeShown ? tr(" Click here to see where.") : QString());
   }
   if (const HoverPreview* const hover = session.hover(); hover && !window_.suspended() && !session.motion()) {
-    line.position = tr("Vertex %1 at %2").arg(hover->vertex).arg(positionOf(session.mesh(), hover->vertex));
+    const auto at = session.mesh().vertices.row(hover->vertex);
+    const auto text = [&at](int k) { return QString::number(at[k], 'g', 6); };
+    line.position = tr("Vertex %1 at %2, %3, %4").arg(hover->vertex).arg(text(0), text(1), text(2));
   }
   return line;
 }
@@ -117,7 +107,7 @@ void LaplacianDragTool::drawTexts(QPainter& painter, const StatusLine& line, boo
   painter.save();
   painter.setRenderHints(QPainter::Antialiasing | QPainter::TextAntialiasing);
   guarded([&] {
-    QStringList texts{line.text, line.warningAndClick(), line.position};
+    QStringList texts{line.text, line.warning, line.position};
     texts.removeAll(QString());
     window_.viewport().setProperty(kLineProperty, shown_.keys ? "keys" : texts.join('\n'));
     if (hasLegend) {

@@ -90,18 +90,6 @@ void takeOver(const fs::path& from, const fs::path& to) {
 
 #endif
 
-/// Creates a file. @return null if there is none: errno says why
-std::FILE* create(const fs::path& path) {
-  const int file = ::open(path.string().c_str(), kCreate, 0600);
-  std::FILE* const stream = file < 0 ? nullptr : ::fdopen(file, "wb");
-  if (file >= 0 && stream == nullptr) {
-    std::remove(path.string().c_str());
-    ::close(file);
-    errno = ENOMEM;
-  }
-  return stream;
-}
-
 }  // namespace
 
 bool prepareStreams() {
@@ -152,14 +140,21 @@ NewFile::NewFile(const fs::path& folder) {
   constexpr int kMostTries = 100;
   static std::once_flag watched;
   std::call_once(watched, watchRequests);
-  for (int tries = 0; file_ == nullptr; ++tries) {
+  int file = -1;
+  for (int tries = 0; file < 0; ++tries) {
     char name[32];
     std::snprintf(name, sizeof name, ".laplacian-edit-%08x", static_cast<unsigned>(std::random_device()()));
     path_ = folder / name;
-    file_ = create(path_);
-    if (file_ == nullptr && (errno != EEXIST || tries == kMostTries)) {
+    file = ::open(path_.string().c_str(), kCreate, 0600);
+    if (file < 0 && (errno != EEXIST || tries == kMostTries)) {
       fail();
     }
+  }
+  file_ = ::fdopen(file, "wb");
+  if (file_ == nullptr) {
+    std::remove(path_.string().c_str());
+    ::close(file);
+    fail(ENOMEM);
   }
 }
 
