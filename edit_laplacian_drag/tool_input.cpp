@@ -133,10 +133,9 @@ bool LaplacianDragTool::escape(QEvent& event) {
   if (static_cast<QKeyEvent&>(event).key() != Qt::Key_Escape || !active_ || window_.suspended()) {
     return false;
   }
-  DragSession& session = active_->session;
-  const DragSession::State state = session.state();
+  const DragSession::State state = active_->session.state();
   const bool moves = state == DragSession::State::Dragging || state == DragSession::State::Settling;
-  if (!moves && !session.tools().paint && !shown_.keys) {
+  if (!moves && !active_->session.tools().paint && !shown_.keys) {
     return false;
   }
   event.accept();
@@ -146,10 +145,10 @@ bool LaplacianDragTool::escape(QEvent& event) {
   if (shown_.keys) {
     shown_.keys = false;
     window_.repaint();
-  } else if (moves) {
-    cancelMotion();
   } else {
-    session.set(&Tools::paint, std::nullopt);
+    mouse_.pressed = false;
+    notice_.clear();
+    active_->session.key(DragKey::Cancel);
     afterEvent();
   }
   return true;
@@ -173,9 +172,8 @@ Cursor LaplacianDragTool::cursor() const {
 }
 
 PressModifiers LaplacianDragTool::pressModifiers() const {
-  const bool paints = mouse_.modifiers & (Qt::ControlModifier | Qt::ShiftModifier);
-  return {bool(mouse_.modifiers & Qt::ControlModifier), bool(mouse_.modifiers & Qt::ShiftModifier),
-          paints && (mouse_.modifiers & Qt::AltModifier)};
+  const bool add = mouse_.modifiers & Qt::ControlModifier, take = mouse_.modifiers & Qt::ShiftModifier;
+  return {add, take, (add || take) && (mouse_.modifiers & Qt::AltModifier)};
 }
 
 /// Shows what a press would pick.
@@ -193,10 +191,9 @@ void LaplacianDragTool::showShape() {
   }
   const DragSession& session = active_->session;
   const HoverPreview* const hover = session.hover();
-  const bool paints = mouse_.modifiers & (Qt::ControlModifier | Qt::ShiftModifier);
   const Qt::CursorShape shape = session.motion() ? Qt::ClosedHandCursor
                                 : session.preparation().running && !session.preparation().has_preview ? Qt::BusyCursor
-                                : paints                                                              ? Qt::CrossCursor
+                                : !pressModifiers().none()                                            ? Qt::CrossCursor
                                 : session.gizmo_element() != GizmoElement::None ? Qt::SizeAllCursor
                                 : !hover                                        ? Qt::ArrowCursor
                                 : hover->kind == HoverPreview::Kind::Group      ? Qt::OpenHandCursor

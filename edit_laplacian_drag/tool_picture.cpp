@@ -60,8 +60,8 @@ void LaplacianDragTool::drawAll(QPainter& painter) {
     shown_.warning = shown_.warning && !session.warning().empty();
     options.colours = shown_.warning ? Colours::Stretch : shared_->panel().colours();
     hasLegend = options.colours == Colours::Stretch && session.shown().region();
-    options.takes = mouse_.modifiers & Qt::ShiftModifier;
-    const bool paints = options.takes || mouse_.modifiers & Qt::ControlModifier || session.tools().paint;
+    options.takes = pressModifiers().take;
+    const bool paints = !pressModifiers().none() || session.tools().paint;
     if (paints && !session.motion() && !(mouse_.modifiers & Qt::AltModifier)) {
       options.brush = cursor().pixel;
     }
