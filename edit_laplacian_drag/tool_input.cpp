@@ -56,7 +56,7 @@ std::optional<DragKey> sessionKey(const QKeyEvent& event) {
   // Qt's codes of letters are those of ASCII, and kKeyHelp names letters as the keyboard does.
   const auto letter = std::find_if(std::begin(kKeyHelp), std::end(kKeyHelp),
                                    [key](const KeyHelp& help) { return help.name[0] == key && help.name[1] == '\0'; });
-  return letter != std::end(kKeyHelp) ? std::optional<DragKey>(letter->first) : std::nullopt;
+  return letter != std::end(kKeyHelp) ? std::optional<DragKey>(letter->key) : std::nullopt;
 }
 
 /// Returns whether the window handles a key; MeshLab may have a shortcut with the same key.
@@ -450,13 +450,13 @@ void LaplacianDragTool::keyEvent(QKeyEvent& event) {
 
 /// Reports a setting that a key has switched, if the picture may not show it.
 void LaplacianDragTool::saySwitch(DragKey key) {
-  const Tools tools = active_->session.tools();
+  const DragSession& session = active_->session;
   if (key == DragKey::Curve) {
-    notice_ = tools.mode == HandleMode::Curve ? tr("Clicks make a curve now. C: a disc or vertex again.")
-                                              : tr("Clicks make a disc or vertex now. C: a curve.");
+    notice_ = session.selection().mode == HandleMode::Curve ? tr("Clicks make a curve now. C: a disc or vertex again.")
+                                                            : tr("Clicks make a disc or vertex now. C: a curve.");
   } else if (key == DragKey::Gizmo) {
-    notice_ = tools.gizmo ? tr("Arrows and rings are shown at the handle. V hides them.")
-                          : tr("Arrows and rings are hidden. V shows them.");
+    notice_ = session.tools().gizmo ? tr("Arrows and rings are shown at the handle. V hides them.")
+                                    : tr("Arrows and rings are hidden. V shows them.");
   }
   mouse_.noticedAt = mouse_.position;
 }

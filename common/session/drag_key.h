@@ -35,47 +35,43 @@ enum class DragKey : unsigned char {
   Help
 };
 
-/// Help text of some keys: one row for all from first to last.
+/// Help text of a key.
 struct KeyHelp {
-  DragKey first, last;
+  DragKey key;
   const char* name;  ///< on the keyboard
   const char* does;  ///< one sentence
 };
 
-/// Every key once, in the order of DragKey.
+/// Every key once, in the order of DragKey; one row for all digits.
 inline constexpr KeyHelp kKeyHelp[] = {
-    {DragKey::Digit0, DragKey::Digit9, "0-9", "Gives an exact amount: a length, degrees or a factor."},
-    {DragKey::Point, DragKey::Point, ".", "Begins the decimals of an amount."},
-    {DragKey::Minus, DragKey::Minus, "-", "Changes the sign of an amount."},
-    {DragKey::Percent, DragKey::Percent, "%", "Makes the amount a percentage: of a size, a revolution or the radius."},
-    {DragKey::LockX, DragKey::LockX, "X",
-     "Moves or scales along, or turns about, the X axis of the mesh; again: free."},
-    {DragKey::LockY, DragKey::LockY, "Y",
-     "Moves or scales along, or turns about, the Y axis of the mesh; again: free."},
-    {DragKey::LockZ, DragKey::LockZ, "Z",
-     "Moves or scales along, or turns about, the Z axis of the mesh; again: free."},
-    {DragKey::LockNormal, DragKey::LockNormal, "N",
-     "Moves or scales along, or turns about, the surface normal at the handle; again: free."},
-    {DragKey::Translate, DragKey::Translate, "T", "Moves the handle with the mouse, no button held."},
-    {DragKey::Rotate, DragKey::Rotate, "R", "Turns a handle of several vertices with the mouse, no button held."},
-    {DragKey::Scale, DragKey::Scale, "S", "Scales a handle of several vertices with the mouse, no button held."},
-    {DragKey::Apply, DragKey::Apply, "Return", "Applies what is being moved."},
-    {DragKey::Cancel, DragKey::Cancel, "Backspace, Esc", "Cancels a motion or computation in progress; ends painting."},
-    {DragKey::Curve, DragKey::Curve, "C", "Changes between handles that are vertices and handles that are curves."},
-    {DragKey::NextGroup, DragKey::NextGroup, "G", "Makes the next click another handle group; the others hold."},
-    {DragKey::NewRegion, DragKey::NewRegion, "W", "Makes the next click take a new region."},
-    {DragKey::Pivot, DragKey::Pivot, "P",
+    {DragKey::Digit0, "0-9", "Gives an exact amount: a length, degrees or a factor."},
+    {DragKey::Point, ".", "Begins the decimals of an amount."},
+    {DragKey::Minus, "-", "Changes the sign of an amount."},
+    {DragKey::Percent, "%", "Makes the amount a percentage: of a size, a revolution or the radius."},
+    {DragKey::LockX, "X", "Moves or scales along, or turns about, the X axis of the mesh; again: free."},
+    {DragKey::LockY, "Y", "Moves or scales along, or turns about, the Y axis of the mesh; again: free."},
+    {DragKey::LockZ, "Z", "Moves or scales along, or turns about, the Z axis of the mesh; again: free."},
+    {DragKey::LockNormal, "N", "Moves or scales along, or turns about, the surface normal at the handle; again: free."},
+    {DragKey::Translate, "T", "Moves the handle with the mouse, no button held."},
+    {DragKey::Rotate, "R", "Turns a handle of several vertices with the mouse, no button held."},
+    {DragKey::Scale, "S", "Scales a handle of several vertices with the mouse, no button held."},
+    {DragKey::Apply, "Return", "Applies what is being moved."},
+    {DragKey::Cancel, "Backspace, Esc", "Cancels a motion or computation in progress; ends painting."},
+    {DragKey::Curve, "C", "Changes between handles that are vertices and handles that are curves."},
+    {DragKey::NextGroup, "G", "Makes the next click another handle group; the others hold."},
+    {DragKey::NewRegion, "W", "Makes the next click take a new region."},
+    {DragKey::Pivot, "P",
      "Turns and scales about a point that the next click picks; again: about the shoulder, the middle of the region's "
      "edge; again: about the handle's middle."},
-    {DragKey::Brush, DragKey::Brush, "B",
+    {DragKey::Brush, "B",
      "Paints the region, no key held; again: the handle; again: what is kept fixed; again: ends painting."},
-    {DragKey::Gizmo, DragKey::Gizmo, "V", "Shows the gizmo (arrows, rings and a scale handle), and hides it again."},
-    {DragKey::Grow, DragKey::Grow, "]", "Grows the region by a ring."},
-    {DragKey::Shrink, DragKey::Shrink, "[", "Shrinks the region by a ring."},
-    {DragKey::Undo, DragKey::Undo, "Ctrl+Z", "Undoes the last step or stroke, exact to the bit."},
-    {DragKey::Redo, DragKey::Redo, "Ctrl+Shift+Z", "Redoes what was undone last."},
-    {DragKey::Tint, DragKey::Tint, "H", "Hides the colours of region and handle, and shows them again."},
-    {DragKey::Help, DragKey::Help, "?", "Shows all keys over the picture, and hides them again."},
+    {DragKey::Gizmo, "V", "Shows the gizmo (arrows, rings and a scale handle), and hides it again."},
+    {DragKey::Grow, "]", "Grows the region by a ring."},
+    {DragKey::Shrink, "[", "Shrinks the region by a ring."},
+    {DragKey::Undo, "Ctrl+Z", "Undoes the last step or stroke, exact to the bit."},
+    {DragKey::Redo, "Ctrl+Shift+Z", "Redoes what was undone last."},
+    {DragKey::Tint, "H", "Hides the colours of region and handle, and shows them again."},
+    {DragKey::Help, "?", "Shows all keys over the picture, and hides them again."},
 };
 
 /// Returns the key of a digit 0 to 9.

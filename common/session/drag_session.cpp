@@ -182,18 +182,9 @@ DragSettings DragSession::settings_at_cursor() const {
   return settings;
 }
 
-Tools DragSession::tools() const {
-  Tools tools = model_.tools;
-  tools.mode = model_.selection.mode;
-  return tools;
-}
-
 void DragSession::set_tools(const Tools& tools) {
   model_.refusal.clear();
   ToolState& now = model_.tools;
-  if (tools.mode != model_.selection.mode) {
-    model_.selection = with_mode(model_.selection, tools.mode);
-  }
   if (tools.paint != now.paint && settle_down()) {
     now.paint = tools.paint;
   }
@@ -213,9 +204,13 @@ void DragSession::set_tools(const Tools& tools) {
   }
 }
 
-void DragSession::take_by_click(HandleMode mode) {
+void DragSession::set_mode(HandleMode mode) {
   model_.refusal.clear();
   model_.selection = with_mode(model_.selection, mode);
+}
+
+void DragSession::take_by_click(HandleMode mode) {
+  set_mode(mode);
   model_.selection.next = Selection::Next::Handle;
 }
 
@@ -515,7 +510,7 @@ bool DragSession::key(DragKey key, const Cursor& cursor) {
       model_.take(with_next(model_.selection, Selection::Next::Region));
       return true;
     case DragKey::Curve:
-      set(&Tools::mode, model_.selection.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);
+      set_mode(model_.selection.mode == HandleMode::Curve ? HandleMode::Vertex : HandleMode::Curve);
       return true;
     default:
       return motion_key(key, cursor);

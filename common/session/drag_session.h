@@ -110,7 +110,7 @@ class DragSession {
   /// refused by message() and leave the settings as they were.
   /// @param passing  only shows the result: another change follows
   void set_settings(const DragSettings& settings, bool passing = false);
-  Tools tools() const;
+  const Tools& tools() const { return model_.tools; }
   /// A change of the mirror plane, or of what is painted, is refused by message() while a step is solved
   /// for.
   void set_tools(const Tools& tools);
@@ -121,6 +121,7 @@ class DragSession {
     changed.*tool = value;
     set_tools(changed);
   }
+  void set_mode(HandleMode mode);       ///< how clicks define a handle
   void take_by_click(HandleMode mode);  ///< makes the next click a handle, not another group or region
   Vector3 pivot_position() const { return model_.pivot_position(); }  ///< requires an active group
   void find_mirror();                                                 ///< mirrors at the plane of find_symmetry()

@@ -107,7 +107,6 @@ struct PoseChange {
 
 /// The user's switches, read and set as a whole.
 struct Tools {
-  HandleMode mode = HandleMode::Vertex;
   std::optional<BrushTarget> paint = {};  ///< painted without a modifier; none: the brush paints the region, with one
   bool gizmo = false;
   bool gizmo_by_click = false;  ///< the gizmo is hidden when another handle is picked
@@ -117,7 +116,7 @@ struct Tools {
   std::optional<MirrorPlane> mirror = {};  ///< mirrors every step; none: off
 };
 
-/// The switches with their state; `mode` is that of the selection.
+/// The switches with their state.
 struct ToolState : Tools {
   int pivot_vertex = -1;                            ///< Pivot::Point; -1: the next click picks it
   std::shared_ptr<const SnapTargets> targets;       ///< null: none

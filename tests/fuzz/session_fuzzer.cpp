@@ -80,7 +80,7 @@ struct Player {
     if (kind == 1) {
       s.set(&Tools::paint, choose.flag() ? std::optional(static_cast<BrushTarget>(choose.below(3))) : std::nullopt);
       choose.flag() ? s.change_painted(static_cast<PaintChange>(choose.below(3))) : s.leave();
-      return s.set(&Tools::mode, static_cast<HandleMode>(choose.below(2)));
+      return s.set_mode(static_cast<HandleMode>(choose.below(2)));
     }
     if (kind == 2) {
       s.set(&Tools::gizmo, choose.flag());

@@ -141,9 +141,9 @@ TEST(DragGizmo, ArrowMovesAlongItsAxisAndAClickGoesThrough) {
   const std::optional<Gizmo> gizmo = window.session.gizmo(window.view);
   ASSERT_TRUE(gizmo);
   EXPECT_LT((gizmo->center - centroid(window.host(), window.groups()[0])).norm(), 1e-5);
-  window.session.set(&Tools::mode, HandleMode::Curve);  // what is clicked next is not to be hidden by it
+  window.session.set_mode(HandleMode::Curve);  // what is clicked next is not to be hidden by it
   EXPECT_FALSE(window.session.gizmo(window.view));
-  window.session.set(&Tools::mode, HandleMode::Vertex);
+  window.session.set_mode(HandleMode::Vertex);
   const Cursor on_arrow = window.at(window.view.pixel(gizmo->along(1, 0.7)));
   window.session.hover(on_arrow, {});
   EXPECT_EQ(window.session.gizmo_element(), GizmoElement::MoveY);

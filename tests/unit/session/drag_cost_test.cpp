@@ -54,7 +54,7 @@ TEST(Drag, AllocatesNothingOnceItMoves) {
   for (const HandleMode mode : {HandleMode::Vertex, HandleMode::Curve}) {
     Window window(shapes::letter_field(60, 30));
     window.change([](DragSettings& s) { s.handle_fraction = 0.1 / s.radius; });
-    window.session.set(&Tools::mode, mode);
+    window.session.set_mode(mode);
     int end = 0;
     for (const double x : {1.8, 2.0, 2.2}) {  // a curve, or the last one
       end = support::vertex_at(window.session.mesh(), Vector3(x, 1, 0));

@@ -223,7 +223,7 @@ class Play {
     if (on("stroke")) return stroke(), s.wait();
     if (on("keys")) return window.keys(words_.at(0));
     if (on("enter")) return window.keys("\r");
-    if (on("mode")) return s.set(&Tools::mode, choice<HandleMode>({"vertex", "curve"}));
+    if (on("mode")) return s.set_mode(choice<HandleMode>({"vertex", "curve"}));
     if (on("paint")) {
       const auto target = choice<int>({"region", "handle", "anchors", "off"});
       return s.set(&Tools::paint, target < 3 ? std::optional(static_cast<BrushTarget>(target)) : std::nullopt);
