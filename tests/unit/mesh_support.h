@@ -82,8 +82,8 @@ inline std::vector<double> plain_distances(const TriangleMesh& mesh, const std::
       continue;
     }
     surface.from(
-        v, 0, kUnreached, nullptr, [](int) { return kUnreached; },
-        [&](int end, double length, bool) {
+        v, 0, nullptr, [](int) { return kUnreached; },
+        [&](int end, double length) {
           lines.push_back({v, end, length});
         });
   }

@@ -6,10 +6,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <queue>
-#include <unordered_map>
+#include <iterator>
 
-#include "lapedit/base/simd.h"
 #include "lapedit/base/whole_part.h"
 
 namespace lapedit {
@@ -34,51 +32,19 @@ double usual_edge(const CompressedRows& neighbours, const Points& points) {
   return lengths.empty() ? 0 : *middle;
 }
 
-/// Finds which of the suspected vertices are connected to a seed by edges between reached vertices.
-/// @param distance  function: of a vertex, kUnreached if it is not reached
-/// @return          reached vertices without such a connection, all that are connected to a suspect
-template <class Distance>
-std::vector<int> unconnected(const CompressedRows& neighbours, const std::vector<int>& suspects,
-                             const Distance& distance) {
-  using Entry = std::pair<double, int>;
-  std::unordered_map<int, int> finder;  // per visited vertex: the suspect from which it was found
-  std::vector<char> is_connected;       // per suspect
-  std::vector<int> found, result;
+/// Calls enter(vertex) for the seeds and for all vertices to which edges lead from entered ones.
+/// @param enter  returns whether the vertex is reached and was not entered before
+template <class Enter>
+void enter_connected(const CompressedRows& neighbours, const std::vector<int>& seeds, const Enter& enter) {
+  std::vector<int> open;
+  std::copy_if(seeds.begin(), seeds.end(), std::back_inserter(open), enter);
   Checkpoints checkpoints;
-  for (const int suspect : suspects) {
+  while (!open.empty()) {
     checkpoints();
-    const int number = static_cast<int>(is_connected.size());
-    if (!(distance(suspect) < kUnreached) || !finder.emplace(suspect, number).second) {
-      continue;
-    }
-    // Visits the vertices nearest to a seed first, so that usually a short path leads to one.
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
-    queue.emplace(distance(suspect), suspect);
-    found.clear();
-    bool connected = false;
-    while (!queue.empty() && !connected) {
-      checkpoints();
-      const auto [here, vertex] = queue.top();
-      queue.pop();
-      found.push_back(vertex);
-      connected = here == 0;
-      for (const int next : neighbours[vertex]) {
-        if (const double there = distance(next); there < kUnreached) {
-          const auto [position, is_new] = finder.emplace(next, number);
-          if (is_new) {
-            queue.emplace(there, next);
-          } else if (position->second != number) {
-            connected = connected || is_connected[position->second];
-          }
-        }
-      }
-    }
-    is_connected.push_back(connected);
-    if (!connected) {
-      result.insert(result.end(), found.begin(), found.end());
-    }
+    const CompressedRows::Row ring = neighbours[open.back()];
+    open.pop_back();
+    std::copy_if(ring.begin(), ring.end(), std::back_inserter(open), enter);
   }
-  return result;
 }
 
 }  // namespace
@@ -89,12 +55,10 @@ GeodesicSearch::GeodesicSearch(const PathGraph& graph)
 const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, double cutoff,
                                             const std::vector<char>* allowed, std::size_t most) {
   ++search_;
-  const unsigned pending = 2 * search_ - 1;
-  const unsigned settled = 2 * search_;
+  const unsigned pending = 3 * search_ - 2, settled = 3 * search_ - 1, connected = 3 * search_;
   const auto farther = std::greater<std::pair<double, int>>();
   reached_.clear();
   heap_.clear();
-  bare_.clear();
   const auto known = [&](int vertex) { return stamp_[vertex] >= pending ? distance_[vertex] : kUnreached; };
   const auto offer = [&](int vertex, double distance) {
     if (stamp_[vertex] == settled || (stamp_[vertex] == pending && distance_[vertex] <= distance)) {
@@ -129,21 +93,19 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
       }
     }
     if (graph_.lines) {
-      graph_.lines->from(vertex, distance, cutoff, allowed, known, [&](int end, double through, bool bare) {
+      graph_.lines->from(vertex, distance, allowed, known, [&](int end, double through) {
         if (through <= cutoff) {
           offer(end, through);
-          if (bare) {
-            bare_.push_back(end);
-          }
         }
       });
     }
   }
-  if (cutoff < kUnreached && heap_.empty() && !bare_.empty()) {
-    for (const int vertex : unconnected(graph_.neighbours, bare_, known)) {
-      stamp_[vertex] = 0;
-    }
-    reached_.erase(std::remove_if(reached_.begin(), reached_.end(), [&](int v) { return stamp_[v] != settled; }),
+  found_ = settled;
+  if (graph_.lines && cutoff < kUnreached && heap_.empty()) {
+    found_ = connected;
+    enter_connected(graph_.neighbours, seeds,
+                    [&](int v) { return stamp_[v] == settled && (stamp_[v] = connected) == connected; });
+    reached_.erase(std::remove_if(reached_.begin(), reached_.end(), [&](int v) { return stamp_[v] != connected; }),
                    reached_.end());
   }
   return reached_;
@@ -183,82 +145,45 @@ std::vector<int> ShortestPaths::to(int vertex) const {
   return path;
 }
 
-/// Vertices of one thread whose edges are still to be tried. A vertex is listed again when its distance becomes
-/// smaller.
-struct DistanceField::Front {
-  struct Item {
-    double distance;
-    int vertex;
-  };
-  std::vector<Item> near;  // within the current step, in the order in which they were found
-  std::vector<Item> far;   // beyond the current step
-  std::vector<int> bare;   // vertices that may have no neighbour within the cutoff
-  double nearest = 0;      // smallest distance in `far`
-
-  /// Distributes the far vertices among the first fronts, with at least `grain` vertices each if several are used.
-  /// @return their number
-  static int balance(std::vector<Front>& fronts, bool has_lines) {
-    const std::size_t grain = has_lines ? 48 : 192;
-    std::size_t all = 0;
-    for (const Front& front : fronts) {
-      all += front.far.size();
-    }
-    const std::size_t chunks = std::max<std::size_t>(1, std::min(all / grain, fronts.size()));
-    const std::size_t fraction = chunks == 1 ? all : all / chunks + all / (4 * chunks);
-    std::size_t shared = 0;
-    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-      shared += std::min(fraction, fronts[chunk].far.size());
-    }
-    if (shared < all) {
-      std::vector<Item> items;
-      items.reserve(all);
-      for (Front& front : fronts) {
-        items.insert(items.end(), front.far.begin(), front.far.end());
-        front.far.clear();
-      }
-      for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-        fronts[chunk].far.assign(items.data() + all * chunk / chunks, items.data() + all * (chunk + 1) / chunks);
-      }
-    }
-    return static_cast<int>(chunks);
-  }
-};
-
 DistanceField::DistanceField(const PathGraph& graph, const std::vector<int>& seeds, double cutoff,
                              const std::vector<char>* allowed, ThreadPool& pool)
     : graph_(graph),
       allowed_(allowed),
-      cutoff_(cutoff),
       limit_(std::nextafter(cutoff, kUnreached)),
       distance_(new std::atomic<double>[graph.neighbours.rows()]) {
   constexpr int kGrain = 65536;
-  in_pieces(pool, graph.neighbours.rows(), kGrain, [this](int first, int last) {
-    for (int v = first; v < last; ++v) {
-      distance_[v].store(limit_, std::memory_order_relaxed);
-    }
-  });
+  const int n = graph.neighbours.rows();
+  for_indices(pool, n, kGrain, [this](int v) { distance_[v].store(limit_, std::memory_order_relaxed); });
   constexpr double kEdges = 3;  // few steps, and hardly any vertex visited twice
   const double step = kEdges * usual_edge(graph.neighbours, graph.points);
-  std::vector<Front> fronts(pool.threads());
+  // Each thread gets at least so many items, those with lines being more work.
+  const int grain = graph.lines ? 48 : 192;
+  std::vector<Item> open;
   for (const int seed : seeds) {
     distance_[seed].store(0, std::memory_order_relaxed);
-    fronts[0].far.push_back({0, seed});
+    open.push_back({0, seed});
   }
-  for (double nearest = 0; nearest < kUnreached;) {
-    const int chunks = Front::balance(fronts, graph.lines.has_value());
-    pool.each(chunks, [&](int chunk) { advance(fronts[chunk], nearest + step); });
-    nearest = kUnreached;
+  std::vector<Front> fronts(pool.threads());
+  while (!open.empty()) {
+    const auto nearer = [](const Item& a, const Item& b) { return a.distance < b.distance; };
+    const double end = std::min_element(open.begin(), open.end(), nearer)->distance + step;
+    const int count = static_cast<int>(open.size()), chunks = std::clamp(count / grain, 1, pool.threads());
+    in_chunks(pool, chunks, count, [&](int chunk, std::int64_t first, std::int64_t last) {
+      advance(&open[first], &open[last - 1] + 1, end, fronts[chunk]);
+    });
+    open.clear();
     for (int chunk = 0; chunk < chunks; ++chunk) {
-      nearest = std::min(nearest, fronts[chunk].nearest);
+      open.insert(open.end(), fronts[chunk].far.begin(), fronts[chunk].far.end());
     }
   }
-  std::vector<int> bare;
-  for (const Front& front : fronts) {
-    bare.insert(bare.end(), front.bare.begin(), front.bare.end());
-  }
-  if (cutoff < kUnreached && !bare.empty()) {
-    for (const int vertex : unconnected(graph.neighbours, bare, [this](int v) { return (*this)[v]; })) {
-      distance_[vertex].store(limit_, std::memory_order_relaxed);
+  if (graph.lines && cutoff < kUnreached) {
+    std::vector<char> connected(static_cast<std::size_t>(n), 0);
+    enter_connected(graph.neighbours, seeds,
+                    [&](int v) { return (*this)[v] < kUnreached && !std::exchange(connected[v], 1); });
+    for (int v = 0; v < n; ++v) {
+      if (!connected[v]) {
+        distance_[v].store(limit_, std::memory_order_relaxed);
+      }
     }
   }
 }
@@ -275,73 +200,34 @@ bool DistanceField::shorten(int vertex, double distance) {
   return false;
 }
 
-/// Prefetches the data of later vertices of the list, since the processor cannot predict their addresses.
-void DistanceField::fetch_ahead(const Front& front, std::size_t i) const {
-  constexpr std::size_t kRow = 12, kPoints = 6;
-  if (i + kRow < front.near.size()) {
-    const int row = front.near[i + kRow].vertex, points = front.near[i + kPoints].vertex;
-    prefetch(graph_.neighbours[row].first);
-    for (const int next : graph_.neighbours[points]) {
-      prefetch(graph_.points.data() + 3 * static_cast<std::ptrdiff_t>(next));
-      prefetch(&distance_[next]);
-    }
-    if (graph_.lines) {
-      graph_.lines->fetch_list(row);
-      graph_.lines->fetch_faces(points);
-    }
-  }
-}
-
-/// Tries all edges and lines of the front's vertices at most `end` away, and of those that are found meanwhile.
-void DistanceField::advance(Front& front, double end) {
+/// Tries all edges and lines of the items at most `end` away, and of those that are found meanwhile.
+void DistanceField::advance(const Item* first, const Item* last, double end, Front& front) {
   const auto known = [this](int vertex) { return distance_[vertex].load(std::memory_order_relaxed); };
-  const auto is_old = [&known](const Front::Item& item) { return known(item.vertex) < item.distance; };
+  const auto add = [&](const Item& item) { (item.distance <= end ? front.near : front.far).push_back(item); };
   const auto offer = [&](int vertex, double through) {
     if (shorten(vertex, through)) {
-      if (through <= end) {
-        front.near.push_back({through, vertex});
-      } else {
-        front.nearest = std::min(front.nearest, through);
-        front.far.push_back({through, vertex});
-      }
+      add({through, vertex});
     }
   };
   front.near.clear();
-  front.nearest = kUnreached;
-  std::size_t kept = 0;
-  for (const Front::Item& item : front.far) {
-    if (item.distance <= end) {
-      front.near.push_back(item);
-    } else if (!is_old(item)) {
-      front.nearest = std::min(front.nearest, item.distance);
-      front.far[kept++] = item;
-    }
-  }
-  front.far.resize(kept);
+  front.far.clear();
+  std::for_each(first, last, add);
   Checkpoints checkpoints;
   for (std::size_t i = 0; i < front.near.size(); ++i) {
     checkpoints();
-    fetch_ahead(front, i);
-    const Front::Item item = front.near[i];
-    if (is_old(item)) {
-      continue;
+    const auto [distance, vertex] = front.near[i];
+    if (known(vertex) < distance) {
+      continue;  // an older, longer path
     }
-    for (const int next : graph_.neighbours[item.vertex]) {
+    for (const int next : graph_.neighbours[vertex]) {
       if (!(allowed_ && !(*allowed_)[next])) {
-        offer(next, item.distance + (graph_.points.row(next) - graph_.points.row(item.vertex)).norm());
+        offer(next, distance + (graph_.points.row(next) - graph_.points.row(vertex)).norm());
       }
     }
     if (graph_.lines) {
-      graph_.lines->from(item.vertex, item.distance, cutoff_, allowed_, known,
-                         [&](int vertex, double through, bool bare) {
-                           offer(vertex, through);
-                           if (bare && through <= cutoff_) {
-                             front.bare.push_back(vertex);
-                           }
-                         });
+      graph_.lines->from(vertex, distance, allowed_, known, offer);
     }
   }
-  checkpoint(static_cast<int>(front.near.size()));  // a front may be too small for the loop's own
 }
 
 void distance_contour(const TriangleMesh& mesh, const Adjacency& adjacency, const GeodesicSearch& search, double radius,

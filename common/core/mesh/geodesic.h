@@ -51,16 +51,16 @@ class GeodesicSearch {
                               std::size_t most = std::numeric_limits<std::size_t>::max());
 
   /// Returns the distance found by the last run, kUnreached for vertices that it did not reach.
-  double distance(int vertex) const { return stamp_[vertex] == 2 * search_ ? distance_[vertex] : kUnreached; }
+  double distance(int vertex) const { return stamp_[vertex] >= found_ ? distance_[vertex] : kUnreached; }
 
  private:
   PathGraph graph_;
   std::vector<double> distance_;
-  std::vector<unsigned> stamp_;  // 2 * search_: settled in this run; 2 * search_ - 1: on the heap
+  std::vector<unsigned> stamp_;  // per vertex: in which search, and how far in it
   unsigned search_ = 0;
+  unsigned found_ = 1;  // stamps from this on are those of vertices that the last search has reached
   std::vector<std::pair<double, int>> heap_;
   std::vector<int> reached_;
-  std::vector<int> bare_;  // vertices that may have no neighbour within the cutoff
 };
 
 /// Finds shortest paths along edges from one vertex. Of several paths of equal length it always returns the same one.
@@ -99,14 +99,21 @@ class DistanceField {
   }
 
  private:
-  struct Front;
-  void advance(Front& front, double end);
-  void fetch_ahead(const Front& front, std::size_t i) const;
+  /// A vertex whose edges are still to be tried. It is listed again when its distance becomes smaller.
+  struct Item {
+    double distance;
+    int vertex;
+  };
+  /// Items of one thread: those within the current step, in the order in which they were found, and those beyond it.
+  struct Front {
+    std::vector<Item> near, far;
+  };
+  void advance(const Item* first, const Item* last, double end, Front& front);
   bool shorten(int vertex, double distance);
 
   PathGraph graph_;
   const std::vector<char>* allowed_;
-  double cutoff_, limit_;  // vertices at this distance are not reached
+  double limit_;  // vertices at this distance are not reached
   std::unique_ptr<std::atomic<double>[]> distance_;
 };
 

@@ -33,58 +33,20 @@ class SurfaceLines {
   SurfaceLines(const Points& points, const Faces& faces, const CompressedRows& around)
       : points_(points), faces_(faces), around_(around) {}
 
-  /// Calls offer(end, length of the path, bare) for the lines of a vertex. Its edges must have been tried before.
+  /// Calls offer(end, length of the path) for the lines of a vertex. Its edges must have been tried before.
   /// Neither degenerate faces nor vertices with non-finite coordinates are entered.
   /// @param distance  of the vertex
-  /// @param cutoff    largest distance of interest
   /// @param allowed   if given, lines lead only through faces whose corners have this flag
   /// @param known     function: a distance that a vertex has at most. Larger values cost time only
-  /// `bare`: a crossed edge has no end that is known to be within the cutoff, so the line's end may have no neighbour
-  /// there.
   template <class Known, class Offer>
-  void from(int vertex, double distance, double cutoff, const std::vector<char>* allowed, const Known& known,
+  void from(int vertex, double distance, const std::vector<char>* allowed, const Known& known,
             const Offer& offer) const {
-    const Search<Known, Offer> search{distance, cutoff, allowed, known, offer};
-    const double* root = point(vertex);
-    // Most corners have no line that can be shortest. The test has no branches, since they could not be predicted.
-    struct Corner {
-      int face, a, b;
-      double to_a, to_b;
-    } corners_left[kBatch];
-    const CompressedRows::Row faces = around_[vertex];
-    for (const int* next = faces.begin(); next != faces.end();) {
-      const int* const end = next + std::min<std::ptrdiff_t>(kBatch, faces.end() - next);
-      int count = 0;
-      for (; next != end; ++next) {
-        auto [a, b] = other_corners(*next, vertex);
-        if (a < 0) {
-          continue;
-        }
-        if (allowed && !((*allowed)[a] && (*allowed)[b])) {
-          continue;
-        }
-        const Vec3 va = difference(point(a), root), vb = difference(point(b), root);
-        const Vec3 ab = difference(point(b), point(a));
-        const double aa = dot(va, va), bb = dot(vb, vb);
-        const Corner corner{*next, a, b, known(a) - distance, known(b) - distance};
-        const Cut cut({a, std::sqrt(aa), aa, corner.to_a}, {b, std::sqrt(bb), bb, corner.to_b}, dot(va, vb), norm(ab),
-                      distance);
-        corners_left[count] = corner;
-        count += !cut.is_empty;
-      }
-      for (int k = 0; k < count; ++k) {
-        start(root, corners_left[k].face, corners_left[k].a, corners_left[k].b, corners_left[k].to_a,
-              corners_left[k].to_b, search);
-      }
-    }
-  }
-
-  /// Prefetches the list of a vertex's faces.
-  void fetch_list(int vertex) const { prefetch(around_[vertex].first); }
-  /// Prefetches the faces of a vertex whose list has been fetched.
-  void fetch_faces(int vertex) const {
+    const Search<Known, Offer> search{distance, allowed, known, offer};
     for (const int face : around_[vertex]) {
-      prefetch(corners(face));
+      const auto [a, b] = other_corners(face, vertex);
+      if (a >= 0 && search.is_allowed(a) && search.is_allowed(b)) {
+        start(point(vertex), face, a, b, search);
+      }
     }
   }
 
@@ -135,7 +97,6 @@ class SurfaceLines {
     Vec2 first, last;  // the interval's ends, or any points on the rays through them
     int face;          // the last face that the lines crossed
     int weight;        // sum of the weights of the crossed triangles
-    bool bare;
 
     /// Restricts the window to a cut. @return false if the window is empty then
     bool narrow(const Cut& cut) {
@@ -156,15 +117,12 @@ class SurfaceLines {
 
   template <class Known, class Offer>
   struct Search {
-    double distance, cutoff;
+    double distance;
     const std::vector<char>* allowed;
     const Known& known;
     const Offer& offer;
 
     bool is_allowed(int vertex) const { return !allowed || (*allowed)[vertex]; }
-    bool is_bare(const Side& a, const Side& b) const {
-      return a.farther >= cutoff - distance && b.farther >= cutoff - distance;
-    }
   };
 
   /// Orders the ends of an edge by their positions alone, so that lengths do not depend on vertex numbers.
@@ -174,6 +132,7 @@ class SurfaceLines {
 
   /// Positive if b lies counterclockwise of a.
   static double turn(const Vec2& a, const Vec2& b) { return a.x * b.y - a.y * b.x; }
+  static double dot(const Vec2& a, const Vec2& b) { return a.x * b.x + a.y * b.y; }
   static double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
   static double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
   static Vec3 cross(const Vec3& a, const Vec3& b) {
@@ -207,17 +166,20 @@ class SurfaceLines {
 
   /// Continues from a corner of a face to the edge opposite to it.
   template <class Known, class Offer>
-  void start(const double* root, int face, int a, int b, double to_a, double to_b,
-             const Search<Known, Offer>& search) const {
+  void start(const double* root, int face, int a, int b, const Search<Known, Offer>& search) const {
     const Vec3 va = difference(point(a), root), vb = difference(point(b), root);
     const Vec3 ab = difference(point(b), point(a));
     const double aa = dot(va, va), bb = dot(vb, vb), product = dot(va, vb);
-    Side left{a, std::sqrt(aa), aa, to_a}, right{b, std::sqrt(bb), bb, to_b};
+    Side left{a, std::sqrt(aa), aa, search.known(a) - search.distance};
+    Side right{b, std::sqrt(bb), bb, search.known(b) - search.distance};
+    if (Cut(left, right, product, norm(ab), search.distance).is_empty) {
+      return;  // as most corners, so this comes before what the processor cannot predict
+    }
     if (is_first(point(b), bb, point(a), aa)) {
       std::swap(left, right);
     }
     const Vec2 first{left.length, 0}, last{product / left.length, norm(cross(va, vb)) / left.length};
-    Window window{left, right, first, last, first, last, face, 0, search.is_bare(left, right)};
+    Window window{left, right, first, last, first, last, face, 0};
     if (window.narrow(Cut(left, right, product, norm(ab), search.distance))) {
       follow(window, search);
     }
@@ -273,13 +235,13 @@ class SurfaceLines {
     const double along = dot(ab, ac) * scale, height = norm(cross(ab, ac)) * scale;
     const Vec2 e{window.b.x - window.a.x, window.b.y - window.a.y};
     const Vec2 at{window.a.x + along * e.x + height * e.y, window.a.y + along * e.y - height * e.x};
-    const double squared = at.x * at.x + at.y * at.y, length = std::sqrt(squared);
+    const double squared = dot(at, at), length = std::sqrt(squared);
     if (!(length < kInfinite)) {
       return;
     }
     const double after_first = turn(window.first, at), before_last = turn(at, window.last);
     if (after_first >= 0 && before_last >= 0) {
-      search.offer(end, distance + length, window.bare);
+      search.offer(end, distance + length);
     }
     const Vec3 bc = difference(c, b);
     const double aa = dot(ac, ac), bb = dot(bc, bc);
@@ -291,33 +253,19 @@ class SurfaceLines {
     const double to_a = std::sqrt(aa), to_b = std::sqrt(bb);
     const double farther = std::min(window.left.farther + to_a, window.right.farther + to_b);
     const Side middle{end, length, squared, std::min(search.known(end) - distance, farther)};
-    if (after_first > 0) {
-      const double product = window.a.x * at.x + window.a.y * at.y;
-      if (const Cut cut(window.left, middle, product, to_a, distance); !cut.is_empty) {
-        Window next{window.left, middle,       window.a,
-                    at,          window.first, before_last > 0 ? at : window.last,
-                    face,        weight,       window.bare || search.is_bare(window.left, middle)};
-        if (next.narrow(cut)) {
-          follow(next, search);
-        }
+    const auto follow_behind = [&](Window next, double product, double edge) {
+      const Cut cut(next.left, next.right, product, edge, distance);
+      if (!cut.is_empty && next.narrow(cut)) {
+        follow(next, search);
       }
+    };
+    if (after_first > 0) {
+      const Vec2& last = before_last > 0 ? at : window.last;
+      follow_behind({window.left, middle, window.a, at, window.first, last, face, weight}, dot(window.a, at), to_a);
     }
     if (before_last > 0) {
-      const double product = window.b.x * at.x + window.b.y * at.y;
-      if (const Cut cut(middle, window.right, product, to_b, distance); !cut.is_empty) {
-        Window next{middle,
-                    window.right,
-                    at,
-                    window.b,
-                    after_first > 0 ? at : window.first,
-                    window.last,
-                    face,
-                    weight,
-                    window.bare || search.is_bare(middle, window.right)};
-        if (next.narrow(cut)) {
-          follow(next, search);
-        }
-      }
+      const Vec2& first = after_first > 0 ? at : window.first;
+      follow_behind({middle, window.right, at, window.b, first, window.last, face, weight}, dot(window.b, at), to_b);
     }
   }
 

@@ -201,7 +201,7 @@ TEST(SurfaceDistance, LinesGrowWithTheFacesWhereManyShareEdges) {
     std::size_t tried = 0;
     const auto known = [&tried](int) { return ++tried, kUnreached; };
     for (int v = 0; v < static_cast<int>(mesh.vertices.rows()); ++v) {
-      lines.from(v, 0, kUnreached, nullptr, known, [](int, double, bool) {});
+      lines.from(v, 0, nullptr, known, [](int, double) {});
     }
     return static_cast<double>(tried) / static_cast<double>(mesh.faces.rows());
   };
