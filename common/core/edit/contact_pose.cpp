@@ -159,13 +159,7 @@ void ContactPose::set_resting(const Points& pose) {
     local_[mesh_vertex_.back()] = -1;
   }
   Faces faces = resting_;
-  keep_faces(faces, [&](Eigen::Index f) {
-    Eigen::AlignedBox3d own;
-    for (const int v : faces.row(f)) {
-      own.extend(vertices_.row(v).transpose());
-    }
-    return box.intersects(own);
-  });
+  keep_faces(faces, [&](Eigen::Index f) { return box.intersects(face_box(vertices_, faces, f)); });
   number(faces);
   const std::vector<int> more(mesh_vertex_.begin() + surface_->moving_vertices(), mesh_vertex_.end());
   surface_->set_resting(gather(vertices_, more), faces);

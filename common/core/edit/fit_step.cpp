@@ -90,11 +90,10 @@ void measure(const Region& region, const Points& before, const Points& after, co
 EditStep with_mirror_image(const TriangleMesh& mesh, EditStep step) {
   const std::optional<MirrorPlane> plane = step.mirror ? step.mirror : find_symmetry(mesh);
   if (!plane || !step.handles.empty()) {
-    throw EditError(ErrorCause::BadParameter,
-                    plane ? "Landmarks have no meaning where a mesh becomes symmetric: remove the key handles."
-                          : "No plane was found across which the mesh nearly mirrors itself: give one by the "
-                            "key mirror of an edit in JSON.")
-        .at(plane ? "handles" : "mirror");
+    refuse_edit(ErrorCause::BadParameter, {plane ? "handles" : "mirror"},
+                plane ? "Landmarks have no meaning where a mesh becomes symmetric: remove the key handles."
+                      : "No plane was found across which the mesh nearly mirrors itself: give one by the key mirror of "
+                        "an edit in JSON.");
   }
   const Affine map = reflection(*plane);
   ScanData image{mesh, {}, "the mirror image"};

@@ -27,22 +27,6 @@ TriangleMesh joined(const TriangleMesh& mesh, const Points& after) {
   return result;
 }
 
-Eigen::AlignedBox3d box_of(const Points& points, const Faces& faces, int f) {
-  Eigen::AlignedBox3d box;
-  for (const int v : faces.row(f)) {
-    box.extend(Vector3(points.row(v)));
-  }
-  return box;
-}
-
-Faces chosen(const Faces& faces, const std::vector<int>& numbers) {
-  Faces some(static_cast<Eigen::Index>(numbers.size()), 3);
-  for (std::size_t k = 0; k < numbers.size(); ++k) {
-    some.row(static_cast<Eigen::Index>(k)) = faces.row(numbers[k]);
-  }
-  return some;
-}
-
 }  // namespace
 
 int new_self_intersections(const TriangleMesh& given, const EditResult& result, int threads) {
@@ -62,20 +46,20 @@ int new_self_intersections(const TriangleMesh& given, const EditResult& result, 
     }
     if (is([&](int v) { return after.row(v) != before.vertices.row(v); })) {
       moving.push_back(f);
-      reach.extend(box_of(after, faces, f));
+      reach.extend(face_box(after, faces, f));
     } else {
       still.push_back(f);
     }
   }
   still.erase(
-      std::remove_if(still.begin(), still.end(), [&](int f) { return !reach.intersects(box_of(after, faces, f)); }),
+      std::remove_if(still.begin(), still.end(), [&](int f) { return !reach.intersects(face_box(after, faces, f)); }),
       still.end());
   if (moving.empty()) {
     return 0;
   }
-  ContactSurface surface(before.vertices, chosen(faces, moving));
+  ContactSurface surface(before.vertices, gather(faces, moving));
   if (!still.empty()) {
-    surface.set_resting(Points(0, 3), chosen(faces, still));
+    surface.set_resting(Points(0, 3), gather(faces, still));
   }
   ThreadPool pool(threads);
   return surface.new_crossings(after, pool);

@@ -26,17 +26,6 @@ bool is_in_part(std::uint32_t item, double part) {
   return part >= 1 || (item ^ (item >> 16)) < part * 0x1p32;
 }
 
-/// Returns the edges at the end of a surface as triangles without area.
-Faces border_edges(const Faces& faces) {
-  const std::vector<std::pair<unsigned, unsigned>> edges = single_edges({faces.data(), faces.data() + faces.size()});
-  Faces flat(static_cast<Eigen::Index>(edges.size()), 3);
-  for (Eigen::Index k = 0; k < flat.rows(); ++k) {
-    const auto& [a, b] = edges[static_cast<std::size_t>(k)];
-    flat.row(k) << static_cast<int>(a), static_cast<int>(b), static_cast<int>(b);
-  }
-  return flat;
-}
-
 }  // namespace
 
 Correspondences::Correspondences(const Scan& scan, const SurfaceIndex& surface, std::vector<char> free, double distance,

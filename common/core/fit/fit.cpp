@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
 #include "lapedit/base/polar_decomposition.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/deform/edit_quality.h"
 #include "lapedit/fit/correspondences.h"
 #include "lapedit/fit/fit_constants.h"
@@ -28,9 +28,7 @@ constexpr int kStages = 9;  // 2^3 equal ratios of lengths, which std::sqrt() co
 void validate(const ScanFitSettings& settings) {
   const auto require = [](bool holds, const std::string& key, double value, const char* needed) {
     if (!holds) {
-      throw EditError(ErrorCause::BadParameter,
-                      "The " + key + " of the fit is " + number_text(value) + ": give " + needed)
-          .at("fit." + key);
+      refuse_edit(ErrorCause::BadParameter, {"fit." + key}, "The ", key, " of the fit is ", value, ": give ", needed);
     }
   };
   const double accuracy = settings.accuracy.value_or(0);
@@ -102,9 +100,8 @@ Fit::Fit(const FitProblem& problem) : of_(problem), pool_(std::make_shared<Threa
   const SurfaceSize own = size_of(given, region.faces);
   constexpr double kRounding = 1e-12;
   if (!(own.size > kRounding * own.centroid.norm())) {
-    throw EditError(ErrorCause::EmptyMesh,
-                    "The region of the fit has a single triangle, or none with an area: give a region of the surface.")
-        .at("region");
+    refuse_edit(ErrorCause::EmptyMesh, {"region"},
+                "The region of the fit has a single triangle, or none with an area: give a region of the surface.");
   }
   refuse_fans(region, 1, std::numeric_limits<int>::max());
   for (int i = 0; i < region.size(); ++i) {
@@ -117,19 +114,16 @@ Fit::Fit(const FitProblem& problem) : of_(problem), pool_(std::make_shared<Threa
                                                                : FitAlign::Rigid;
   const FitAlign allowed = of_.settings.align.value_or(usual);
   if (!anchors_.empty() && allowed != FitAlign::None) {
-    throw EditError(ErrorCause::BadParameter,
-                    "A part of a component cannot be aligned, since its anchors stay: fit the whole component, or use "
-                    "\"align\": \"none\".")
-        .at("fit.align");
+    refuse_edit(ErrorCause::BadParameter, {"fit.align"},
+                "A part of a component cannot be aligned, since its anchors stay: fit the whole component, or use "
+                "\"align\": \"none\".");
   }
   const Points before = (given.rowwise() - own.centroid.transpose()) / own.size;
   const double unit = of_.scan.size(), ratio = own.size / unit;
   constexpr double kAnotherUnit = 1000;
   if (allowed != FitAlign::Similarity && !(ratio < kAnotherUnit && ratio > 1 / kAnotherUnit)) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The size of " + of_.scan.name() + " is " + number_text(1 / ratio) +
-                        " times that of the template: bring both to the same unit, or align by a similarity.")
-        .at("fit.to");
+    refuse_edit(ErrorCause::BadParameter, {"fit.to"}, "The size of ", of_.scan.name(), " is ", 1 / ratio,
+                " times that of the template: bring both to the same unit, or align by a similarity.");
   }
   const auto landmarks = static_cast<Eigen::Index>(of_.landmarks.size());
   Points from(landmarks, 3);
@@ -408,9 +402,8 @@ void Fit::finish(double length) {
   check_landmarks();
   constexpr double kNone = 0.01;
   if (result_.report.to_scan.matched < kNone && result_.report.from_scan.matched < kNone) {
-    throw EditError(ErrorCause::BadParameter,
-                    "The template found no partner on " + of_.scan.name() + advice_without_partners())
-        .at("fit.to");
+    refuse_edit(ErrorCause::BadParameter, {"fit.to"}, "The template found no partner on ", of_.scan.name(),
+                advice_without_partners());
   }
   result_.positions = (of_.scan.size() * points_).rowwise() + of_.scan.origin().transpose();
   for (const int i : anchors_) {

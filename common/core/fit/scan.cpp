@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "lapedit/base/error.h"
 #include "lapedit/base/format_text.h"
+#include "lapedit/base/refuse.h"
 #include "lapedit/mesh/weld.h"
 
 namespace lapedit {
@@ -48,34 +48,34 @@ Scan::Scan(const ScanData& data) : name_(data.name) {
   const bool cloud = mesh.faces.rows() == 0;
   const std::string subject = "T" + name_.substr(1);
   if (mesh.vertices.rows() == 0) {
-    throw EditError(ErrorCause::EmptyMesh, subject + " has no points: give a mesh, or points with normals.");
+    refuse_edit(ErrorCause::EmptyMesh, {}, subject, " has no points: give a mesh, or points with normals.");
   }
   if (cloud && data.normals.rows() != mesh.vertices.rows()) {
-    throw EditError(ErrorCause::BadParameter,
-                    subject + " has neither faces nor normals: compute normals for its points, or make a mesh of it.");
+    refuse_edit(ErrorCause::BadParameter, {}, subject,
+                " has neither faces nor normals: compute normals for its points, or make a mesh of it.");
   }
   if (!cloud) {
     validate(mesh);
   }
   Faces faces = sound_faces(data, cloud);
   if (faces.rows() == 0) {
-    throw EditError(cloud ? ErrorCause::BadParameter : ErrorCause::NotFinite,
-                    subject + (cloud ? " has no point with a normal: compute its normals."
-                                     : " has no triangle with an area: give the surface of a scan."));
+    refuse_edit(cloud ? ErrorCause::BadParameter : ErrorCause::NotFinite, {}, subject,
+                cloud ? " has no point with a normal: compute its normals."
+                      : " has no triangle with an area: give the surface of a scan.");
   }
   const SurfaceSize measured = size_of(mesh.vertices, faces);
   origin_ = measured.centroid;
   size_ = measured.size;
   constexpr double kRounding = 1e-12;
   if (!(size_ > kRounding * origin_.norm()) || !std::isfinite(size_)) {
-    throw EditError(ErrorCause::NotFinite, subject + " is a single point or triangle: give the surface of a scan.");
+    refuse_edit(ErrorCause::NotFinite, {}, subject, " is a single point or triangle: give the surface of a scan.");
   }
   constexpr double kLargest = 1e60, kSmallest = 1e-60;  // fourth powers of lengths have to be numbers
   if (origin_.norm() > kLargest || size_ > kLargest || size_ < kSmallest) {
-    throw EditError(ErrorCause::BadParameter,
-                    subject + format_text(" has a size of %.3g at %.3g from the origin, but a fit needs a size above "
-                                          "%.0e and coordinates below %.0e: use another unit of length.",
-                                          size_, origin_.norm(), kSmallest, kLargest));
+    refuse_edit(ErrorCause::BadParameter, {}, subject,
+                format_text(" has a size of %.3g at %.3g from the origin, but a fit needs a size above %.0e and "
+                            "coordinates below %.0e: use another unit of length.",
+                            size_, origin_.norm(), kSmallest, kLargest));
   }
   Points points = (mesh.vertices.rowwise() - origin_.transpose()) / size_;
   axes_ = principal_axes(points, faces);
@@ -89,13 +89,12 @@ Scan::Scan(const ScanData& data) : name_(data.name) {
 Eigen::MatrixXd carry_over(const TriangleMesh& scan, const Eigen::MatrixXd& values, const Points& at,
                            std::optional<double> within) {
   if (values.rows() != scan.vertices.rows()) {
-    throw EditError(ErrorCause::BadParameter, "The scan has " + std::to_string(scan.vertices.rows()) +
-                                                  " vertices, but there are " + std::to_string(values.rows()) +
-                                                  " rows of values: give one row per vertex.");
+    refuse_edit(ErrorCause::BadParameter, {}, "The scan has ", scan.vertices.rows(), " vertices, but there are ",
+                values.rows(), " rows of values: give one row per vertex.");
   }
   if (within && !(*within >= 0)) {
-    throw EditError(ErrorCause::BadParameter, "The distance up to which values are carried over is " +
-                                                  number_text(*within) + ": give a length of 0 or more, model units.");
+    refuse_edit(ErrorCause::BadParameter, {}, "The distance up to which values are carried over is ", *within,
+                ": give a length of 0 or more, model units.");
   }
   // Unlike in a fit, corners at one position stay apart: at a seam of the texture they have other values.
   const bool cloud = scan.faces.rows() == 0;
@@ -108,7 +107,7 @@ Eigen::MatrixXd carry_over(const TriangleMesh& scan, const Eigen::MatrixXd& valu
     return (cloud || faces(f, 0) != faces(f, 1)) && (corner(0) + corner(1) + corner(2)).allFinite();
   });
   if (faces.rows() == 0) {
-    throw EditError(ErrorCause::EmptyMesh, "The scan has no finite point: give the scan that the mesh was fitted to.");
+    refuse_edit(ErrorCause::EmptyMesh, {}, "The scan has no finite point: give the scan that the mesh was fitted to.");
   }
   constexpr double kShare = 0.02;
   const double most = within.value_or(kShare * size_of(scan.vertices, faces).size);

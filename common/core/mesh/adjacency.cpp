@@ -10,25 +10,6 @@
 namespace lapedit {
 namespace {
 
-/// Returns the faces around each vertex. A face that names a vertex twice is listed once.
-CompressedRows faces_around(int vertex_count, const Faces& faces) {
-  const auto each_corner = [&faces](const auto& use) {
-    Checkpoints checkpoints;
-    for (int f = 0; f < static_cast<int>(faces.rows()); ++f) {
-      checkpoints();
-      const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
-      use(a, f);
-      if (b != a) {
-        use(b, f);
-      }
-      if (c != a && c != b) {
-        use(c, f);
-      }
-    }
-  };
-  return lists_of(vertex_count, each_corner);
-}
-
 /// Returns the other ends of each vertex's edges. Vertices enter themselves in ascending order into the rows of their
 /// neighbours, so rows are sorted and duplicates are adjacent.
 CompressedRows rings(const CompressedRows& around, const Faces& faces) {
@@ -69,6 +50,24 @@ bool are_oriented(const CompressedRows& around, const Faces& faces) {
 }
 
 }  // namespace
+
+CompressedRows faces_around(int vertex_count, const Faces& faces) {
+  const auto each_corner = [&faces](const auto& use) {
+    Checkpoints checkpoints;
+    for (int f = 0; f < static_cast<int>(faces.rows()); ++f) {
+      checkpoints();
+      const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
+      use(a, f);
+      if (b != a) {
+        use(b, f);
+      }
+      if (c != a && c != b) {
+        use(c, f);
+      }
+    }
+  };
+  return lists_of(vertex_count, each_corner);
+}
 
 Adjacency build_adjacency(int vertex_count, const Faces& faces) {
   CompressedRows around = faces_around(vertex_count, faces);
@@ -196,6 +195,16 @@ std::vector<Edge> single_edges(const std::vector<unsigned>& corners) {
   return edges;
 }
 
+Faces border_edges(const Faces& faces) {
+  const std::vector<Edge> edges = single_edges({faces.data(), faces.data() + faces.size()});
+  Faces flat(static_cast<Eigen::Index>(edges.size()), 3);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto [a, b] = edges[e];
+    flat.row(static_cast<Eigen::Index>(e)) << static_cast<int>(a), static_cast<int>(b), static_cast<int>(b);
+  }
+  return flat;
+}
+
 Chains border_of(const std::vector<unsigned>& corners) {
   const std::vector<Edge> edges = single_edges(corners);
   // Lists each edge from both ends, to find the next edge at a vertex.
@@ -271,13 +280,8 @@ MeshSummary summary_of(const TriangleMesh& mesh) {
   summary.loose = pieces.loose;
   summary.pieces = pieces.count;
   summary.largest_piece = pieces.largest;
-  const std::vector<Edge> edges = single_edges({faces.data(), faces.data() + faces.size()});
-  summary.border_edges = static_cast<int>(edges.size());
-  Faces border(summary.border_edges, 3);
-  for (int e = 0; e < summary.border_edges; ++e) {
-    const auto a = static_cast<int>(edges[e].first), b = static_cast<int>(edges[e].second);
-    border.row(e) << a, b, b;
-  }
+  const Faces border = border_edges(faces);
+  summary.border_edges = static_cast<int>(border.rows());
   summary.borders = pieces_of(summary.vertices, border).count;
   for (int v = 0; v < summary.vertices; ++v) {
     summary.not_finite += mesh.vertices.row(v).allFinite() ? 0 : 1;

@@ -19,6 +19,9 @@ struct Adjacency {
 /// Builds the adjacency. Degenerate faces contribute only edges between different vertices. O(vertices + faces).
 Adjacency build_adjacency(int vertex_count, const Faces& faces);
 
+/// Returns the faces around each vertex, as in Adjacency.
+CompressedRows faces_around(int vertex_count, const Faces& faces);
+
 /// Labels the connected components of a graph 0, 1, ... in the order of their lowest vertices. Rows have to be
 /// ascending, and each edge has to be in the rows of both of its ends.
 /// @param labels  out: per vertex
@@ -44,6 +47,8 @@ struct Chains {
 /// Returns the edges that belong to exactly one of some faces, as pairs of ascending vertices, ascending.
 /// @param corners  three per face. Cost: O(faces log faces)
 std::vector<std::pair<unsigned, unsigned>> single_edges(const std::vector<unsigned>& corners);
+/// Returns such edges of all faces as triangles without area, whose last two corners are equal.
+Faces border_edges(const Faces& faces);
 
 /// Returns the outline of some faces: the edges that belong to exactly one of them, joined to chains. O(faces log
 /// faces)

@@ -130,7 +130,7 @@ void LinkSearch::find_walls() {
     }
     if (!is_open_[label] && std::isfinite(part)) {
       volumes[label] += flips[f] ? -part : part;
-      if (reach.intersects({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)})) {
+      if (reach.intersects(face_box(points_, mesh_.faces, f))) {
         near.push_back(f);
       }
     }
@@ -144,10 +144,7 @@ void LinkSearch::find_walls() {
     for (int v = 0; v < static_cast<int>(points_.rows()); ++v) {
       inwards_.row(v) *= (disagrees[labels_[v]] ? volumes[labels_[v]] : volume) > 0 ? -1 : 1;
     }
-    walls_ = {points_, Faces(static_cast<Eigen::Index>(near.size()), 3)};
-    for (std::size_t k = 0; k < near.size(); ++k) {
-      walls_.faces.row(static_cast<Eigen::Index>(k)) = mesh_.faces.row(near[k]);
-    }
+    walls_ = {points_, gather(mesh_.faces, near)};
     rays_.emplace(walls_);
   }
 }

@@ -8,9 +8,9 @@
 #include <limits>
 #include <numeric>
 
-#include "lapedit/base/compressed_rows.h"
 #include "lapedit/mesh/adjacency.h"
 #include "lapedit/mesh/surface_index.h"
+#include "lapedit/mesh/vertex_set.h"
 
 namespace lapedit {
 namespace {
@@ -24,23 +24,8 @@ constexpr int kLeaf = 4, kGrain = 1024, kTasks = 128;
 /// Contacts of a motion per vertex that moves: ten edits of the benchmark had up to 7, most of them when compressed.
 constexpr int kMostPerVertex = 50;
 
-Vector3 row(const Points& points, int v) {
-  return points.row(v).transpose();
-}
-
 std::pair<int, int> ascending(int a, int b) {
   return {std::min(a, b), std::max(a, b)};
-}
-
-/// Returns the faces at each vertex.
-CompressedRows faces_at(Eigen::Index vertices, const Faces& faces) {
-  return lists_of(static_cast<int>(vertices), [&faces](const auto& use) {
-    for (int f = 0; f < static_cast<int>(faces.rows()); ++f) {
-      for (const int v : faces.row(f)) {
-        use(v, f);
-      }
-    }
-  });
 }
 
 /// Sets the weights of the nearest points of two segments. Source: C. Ericson, Real-time collision detection, 2005,
@@ -71,8 +56,8 @@ Vector3 nearest(const Corners& x, bool edges, std::array<double, 4>& weights) {
 }
 
 Corners corners(const Contact& contact, const Points& at) {
-  return {row(at, contact.vertices[0]), row(at, contact.vertices[1]), row(at, contact.vertices[2]),
-          row(at, contact.vertices[3])};
+  return {position_of(at, contact.vertices[0]), position_of(at, contact.vertices[1]),
+          position_of(at, contact.vertices[2]), position_of(at, contact.vertices[3])};
 }
 
 /// Sets nearest points, normal and distance. @return whether the distance is not zero
@@ -104,8 +89,8 @@ bool pierces(const Vector3& p, const Vector3& q, const std::array<Vector3, 3>& t
 
 /// Returns whether two faces cross, at least one edge of one through the other. A common corner does not count.
 bool cross(const Points& at, const Eigen::Array3i& f, const Eigen::Array3i& g) {
-  const std::array<Vector3, 3> a = {row(at, f[0]), row(at, f[1]), row(at, f[2])};
-  const std::array<Vector3, 3> b = {row(at, g[0]), row(at, g[1]), row(at, g[2])};
+  const std::array<Vector3, 3> a = {position_of(at, f[0]), position_of(at, f[1]), position_of(at, f[2])};
+  const std::array<Vector3, 3> b = {position_of(at, g[0]), position_of(at, g[1]), position_of(at, g[2])};
   const auto has = [](const Eigen::Array3i& face, int v) { return (face == v).any(); };
   for (int k = 0; k < 3; ++k) {
     const int next = (k + 1) % 3;
@@ -181,7 +166,7 @@ class ContactSurface::Patches {
   /// @param faces  all of them, for is_patch()
   Patches(Eigen::Index vertices, const Faces& faces) : Patches(vertices) {
     fan_.resize(parent_.size());
-    const CompressedRows at = faces_at(vertices, faces);
+    const CompressedRows at = faces_around(static_cast<int>(vertices), faces);
     std::vector<int> uses(parent_.size());
     Checkpoints checkpoints;
     for (int v = 0; v < static_cast<int>(vertices); ++v) {
@@ -303,7 +288,7 @@ void ContactSurface::add_tree(int first, const Faces& faces) {
 /// Finds what each face stands for: the first face with a corner or an edge does.
 void ContactSurface::find_owners(ThreadPool& pool) {
   const auto count = static_cast<int>(faces_.rows());
-  const CompressedRows at = faces_at(rest_.rows(), faces_);
+  const CompressedRows at = faces_around(static_cast<int>(rest_.rows()), faces_);
   owned_.assign(static_cast<std::size_t>(count), 0);
   for_indices(pool, count, kGrain, [&](int f) {
     for (int k = 0; k < 3; ++k) {
@@ -325,7 +310,7 @@ int ContactSurface::build(int first, int last, const Points& centres, Patches& p
   if (last - first > kLeaf) {
     Eigen::AlignedBox3d box;
     for (int k = first; k < last; ++k) {
-      box.extend(row(centres, order_[k]));
+      box.extend(position_of(centres, order_[k]));
     }
     int axis = 0;
     box.sizes().maxCoeff(&axis);
@@ -346,7 +331,8 @@ void ContactSurface::bound(const Points& from, const Points& to, ThreadPool& poo
     for (int f = first; f < last; ++f) {
       Bounds& bounds = face_bounds_[f];
       const auto corners = [this, f](const Points& at) {
-        return std::array<Vector3, 3>{row(at, faces_(f, 0)), row(at, faces_(f, 1)), row(at, faces_(f, 2))};
+        return std::array<Vector3, 3>{position_of(at, faces_(f, 0)), position_of(at, faces_(f, 1)),
+                                      position_of(at, faces_(f, 2))};
       };
       const auto normal = [](const std::array<Vector3, 3>& x) {
         return (x[1] - x[0]).cross(x[2] - x[0]).normalized().array().eval();

@@ -32,6 +32,21 @@ double usual_edge(const CompressedRows& neighbours, const Points& points) {
   return lengths.empty() ? 0 : *middle;
 }
 
+/// Calls offer(end, length of the path) for the edges and lines that continue a path at a vertex.
+/// @param known  see SurfaceLines::from()
+template <class Known, class Offer>
+void extend(const PathGraph& graph, int vertex, double distance, const std::vector<char>* allowed, const Known& known,
+            const Offer& offer) {
+  for (const int next : graph.neighbours[vertex]) {
+    if (!allowed || (*allowed)[next]) {
+      offer(next, distance + (graph.points.row(next) - graph.points.row(vertex)).norm());
+    }
+  }
+  if (graph.lines) {
+    graph.lines->from(vertex, distance, allowed, known, offer);
+  }
+}
+
 /// Calls enter(vertex) for the seeds and for all vertices to which edges lead from entered ones.
 /// @param enter  returns whether the vertex is reached and was not entered before
 template <class Enter>
@@ -56,18 +71,18 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
                                             const std::vector<char>* allowed, std::size_t most) {
   ++search_;
   const unsigned pending = 3 * search_ - 2, settled = 3 * search_ - 1, connected = 3 * search_;
+  const double limit = std::nextafter(cutoff, kUnreached);
   const auto farther = std::greater<std::pair<double, int>>();
   reached_.clear();
   heap_.clear();
   const auto known = [&](int vertex) { return stamp_[vertex] >= pending ? distance_[vertex] : kUnreached; };
   const auto offer = [&](int vertex, double distance) {
-    if (stamp_[vertex] == settled || (stamp_[vertex] == pending && distance_[vertex] <= distance)) {
-      return;
+    if (distance < limit && distance < known(vertex)) {
+      stamp_[vertex] = pending;
+      distance_[vertex] = distance;
+      heap_.emplace_back(distance, vertex);
+      std::push_heap(heap_.begin(), heap_.end(), farther);
     }
-    stamp_[vertex] = pending;
-    distance_[vertex] = distance;
-    heap_.emplace_back(distance, vertex);
-    std::push_heap(heap_.begin(), heap_.end(), farther);
   };
   for (const int seed : seeds) {
     offer(seed, 0);
@@ -83,22 +98,7 @@ const std::vector<int>& GeodesicSearch::run(const std::vector<int>& seeds, doubl
     }
     stamp_[vertex] = settled;
     reached_.push_back(vertex);
-    for (const int next : graph_.neighbours[vertex]) {
-      if (stamp_[next] == settled || (allowed && !(*allowed)[next])) {
-        continue;
-      }
-      const double through = distance + (graph_.points.row(next) - graph_.points.row(vertex)).norm();
-      if (through <= cutoff && std::isfinite(through)) {
-        offer(next, through);
-      }
-    }
-    if (graph_.lines) {
-      graph_.lines->from(vertex, distance, allowed, known, [&](int end, double through) {
-        if (through <= cutoff) {
-          offer(end, through);
-        }
-      });
-    }
+    extend(graph_, vertex, distance, allowed, known, offer);
   }
   found_ = settled;
   if (graph_.lines && cutoff < kUnreached && heap_.empty()) {
@@ -219,14 +219,7 @@ void DistanceField::advance(const Item* first, const Item* last, double end, Fro
     if (known(vertex) < distance) {
       continue;  // an older, longer path
     }
-    for (const int next : graph_.neighbours[vertex]) {
-      if (!(allowed_ && !(*allowed_)[next])) {
-        offer(next, distance + (graph_.points.row(next) - graph_.points.row(vertex)).norm());
-      }
-    }
-    if (graph_.lines) {
-      graph_.lines->from(vertex, distance, allowed_, known, offer);
-    }
+    extend(graph_, vertex, distance, allowed_, known, offer);
   }
 }
 

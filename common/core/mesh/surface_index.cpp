@@ -127,8 +127,9 @@ SurfaceIndex::SurfaceIndex(Points points, Faces faces, Points normals)
   border_.assign(static_cast<std::size_t>(points_.rows()), 0);
   if (!is_cloud()) {
     vertex_normals(points_, faces_, normals_);
-    for (const auto& [a, b] : single_edges({faces_.data(), faces_.data() + faces_.size()})) {
-      border_[a] = border_[b] = 1;
+    const Faces edges = border_edges(faces_);
+    for (const int v : edges.reshaped()) {
+      border_[v] = 1;
     }
   }
   std::vector<int> order(static_cast<std::size_t>(faces_.rows()));

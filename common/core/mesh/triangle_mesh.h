@@ -53,6 +53,12 @@ inline Vector3 area_normal(const TriangleMesh& mesh, int face) {
   return area_normal(mesh.vertices, mesh.faces, face);
 }
 
+/// Returns the bounding box of a face with finite corners.
+inline Eigen::AlignedBox3d face_box(const Points& points, const Faces& faces, Eigen::Index face) {
+  const Vector3 a = points.row(faces(face, 0)), b = points.row(faces(face, 1)), c = points.row(faces(face, 2));
+  return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+}
+
 /// Returns the bounding box of some vertices with finite coordinates.
 Eigen::AlignedBox3d bounding_box(const Points& points, const std::vector<int>& vertices);
 /// Returns the bounding box of all finite points; empty if there are none.

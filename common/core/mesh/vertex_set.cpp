@@ -12,6 +12,18 @@
 #include "lapedit/mesh/region.h"
 
 namespace lapedit {
+namespace {
+
+template <class Rows>
+Rows rows_of(const Rows& all, const std::vector<int>& numbers) {
+  Rows rows(static_cast<Eigen::Index>(numbers.size()), 3);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    rows.row(static_cast<Eigen::Index>(i)) = all.row(numbers[i]);
+  }
+  return rows;
+}
+
+}  // namespace
 
 void require_vertex(const char* what, int vertex, Eigen::Index count, const char* key) {
   if (vertex < 0 || vertex >= count) {
@@ -62,11 +74,11 @@ std::vector<int> without(const std::vector<int>& a, const std::vector<int>& b) {
 }
 
 Points gather(const Points& points, const std::vector<int>& vertices) {
-  Points rows(static_cast<Eigen::Index>(vertices.size()), 3);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    rows.row(static_cast<Eigen::Index>(i)) = points.row(vertices[i]);
-  }
-  return rows;
+  return rows_of(points, vertices);
+}
+
+Faces gather(const Faces& faces, const std::vector<int>& numbers) {
+  return rows_of(faces, numbers);
 }
 
 void scatter(const std::vector<int>& vertices, const Points& rows, Points& points) {

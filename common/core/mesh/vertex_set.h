@@ -46,8 +46,9 @@ inline Vector3 position_of(const Points& points, int vertex) {
   return points.row(vertex).transpose();
 }
 
-/// Returns the rows of some vertices.
+/// Return the rows of some vertices or faces.
 Points gather(const Points& points, const std::vector<int>& vertices);
+Faces gather(const Faces& faces, const std::vector<int>& numbers);
 /// Writes such rows to the positions of their vertices.
 void scatter(const std::vector<int>& vertices, const Points& rows, Points& points);
 

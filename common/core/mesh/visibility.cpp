@@ -21,11 +21,10 @@ BoxTree finite_faces(const TriangleMesh& mesh) {
   std::vector<int> faces;
   std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(mesh.faces.rows()));
   for (int f = 0; f < static_cast<int>(mesh.faces.rows()); ++f) {
-    const Vector3 a = mesh.vertices.row(mesh.faces(f, 0)), b = mesh.vertices.row(mesh.faces(f, 1)),
-                  c = mesh.vertices.row(mesh.faces(f, 2));
-    if (a.allFinite() && b.allFinite() && c.allFinite()) {
+    const auto corners = mesh.faces.row(f);
+    if (std::all_of(corners.begin(), corners.end(), [&](int v) { return mesh.vertices.row(v).allFinite(); })) {
       faces.push_back(f);
-      const Eigen::AlignedBox3d box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
+      const Eigen::AlignedBox3d box = face_box(mesh.vertices, mesh.faces, f);
       // Not narrower than the error of distance_along(), nor than the spacing of numbers.
       constexpr double kRounding = 1e-15;
       const Vector3 margin = Vector3::Constant(kRaySeam * box.diagonal().norm()) +
