@@ -242,13 +242,11 @@ EditReport PreparedStep::report(double fraction, const Points& vertices) const {
 }
 
 void require_same_mesh(const TriangleMesh& mesh, const Edit& edit) {
-  const auto vertices = mesh.vertices.rows();
-  const auto faces = mesh.faces.rows();
+  const auto vertices = mesh.vertices.rows(), faces = mesh.faces.rows();
+  const auto text = [](const std::optional<int>& count) { return count ? std::to_string(*count) : "any number of"; };
   if ((edit.mesh_vertices && *edit.mesh_vertices != vertices) || (edit.mesh_faces && *edit.mesh_faces != faces)) {
-    refuse_edit(ErrorCause::MeshMismatch, {"mesh"}, "The edit was made for a mesh of ",
-                (edit.mesh_vertices ? std::to_string(*edit.mesh_vertices) : std::string("any number of")),
-                " vertices and ", (edit.mesh_faces ? std::to_string(*edit.mesh_faces) : std::string("any number of")),
-                " faces, but this one has ", vertices, " vertices and ", faces,
+    refuse_edit(ErrorCause::MeshMismatch, {"mesh"}, "The edit was made for a mesh of ", text(edit.mesh_vertices),
+                " vertices and ", text(edit.mesh_faces), " faces, but this one has ", vertices, " vertices and ", faces,
                 " faces: open the mesh that the edit was made for", by_position_advice(edit), ".");
   }
   if (!edit.connectivity.empty()) {

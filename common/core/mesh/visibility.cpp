@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -14,6 +13,10 @@
 
 namespace lapedit {
 namespace {
+
+Vector3 corner(const TriangleMesh& mesh, int face, int k) {
+  return position_of(mesh.vertices, mesh.faces(face, k));
+}
 
 /// Returns a tree over the faces with finite corners.
 BoxTree finite_faces(const TriangleMesh& mesh) {
@@ -136,16 +139,6 @@ std::vector<int> brushed_vertices(const TriangleMesh& mesh, const Adjacency& adj
   return sorted_set(std::move(all));
 }
 
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-Vector3 corner(const TriangleMesh& mesh, int face, int k) {
-  return mesh.vertices.row(mesh.faces(face, k)).transpose();
-}
-
-}  // namespace
-
 double distance_along(const TriangleMesh& mesh, const Ray& ray, int face) {
   const Vector3 a = corner(mesh, face, 0);
   const Vector3 along = corner(mesh, face, 1) - a;
@@ -153,27 +146,27 @@ double distance_along(const TriangleMesh& mesh, const Ray& ray, int face) {
   const Vector3 p = ray.direction.cross(across);
   const double determinant = along.dot(p);
   if (!(std::abs(determinant) > 0)) {
-    return kInfinity;
+    return kUnreached;
   }
   const Vector3 offset = ray.origin - a;
   const double u = offset.dot(p) / determinant;
   if (!(u >= -kRaySeam && u <= 1 + kRaySeam)) {
-    return kInfinity;
+    return kUnreached;
   }
   const Vector3 q = offset.cross(along);
   const double v = ray.direction.dot(q) / determinant;
   if (!(v >= -kRaySeam && u + v <= 1 + kRaySeam)) {
-    return kInfinity;
+    return kUnreached;
   }
   const double t = across.dot(q) / determinant;
-  return t >= 0 && std::isfinite(t) ? t : kInfinity;
+  return t >= 0 && std::isfinite(t) ? t : kUnreached;
 }
 
 SurfaceHit hit_of(const TriangleMesh& mesh, const Ray& ray, int face, double distance) {
   SurfaceHit hit;
   hit.point = ray.origin + distance * ray.direction;
   hit.face = face;
-  double closest = kInfinity;
+  double closest = kUnreached;
   for (int k = 0; k < 3; ++k) {
     const double away = (corner(mesh, face, k) - hit.point).norm();
     if (away < closest) {
