@@ -208,6 +208,12 @@ class Regions(LandmarkTest):
                 self.assertTrue(0.7 * radius < largest < 1.2 * radius, largest)
                 self.assertEqual(self.advice({"radius": 0.99 * largest}, lift, mesh=mesh), "")
         lift = LIFT["handles"][0]
+        pair = self.write("pair.ply", files.ply_plain(together(DOME, moved(DOME, 0.3, (5, 0, 0)))))
+        each = {**lift, "vertices": f"{CENTRE},{441 + CENTRE}"}
+        smaller = float(re.search(by_radius, self.advice({"radius": 350}, each, mesh=pair))[1])
+        for region in ({"radius": 0.99 * smaller}, {"radius": 0.2, "tips": True}):
+            self.assertNotIn("Nothing holds", self.advice(region, each, mesh=pair), region)
+        self.assertRegex(self.advice({"radius": 9}, {**lift, "vertices": "1-440"}), r"\ANothing holds .*: all .*handle\. Add a handle group that stays\.\Z")
         given = r"\ANothing holds the surface, .* Leave a part of the surface out of the region, or add "
         for region in ({"within": {"point": [0.5, 0.5, HEIGHT], "radius": 9}}, {"vertices": "0-440"}):
             self.assertRegex(self.advice(region, lift), given)

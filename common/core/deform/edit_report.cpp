@@ -228,9 +228,10 @@ std::string name_at(int vertex, const std::vector<LandmarkResidual>& landmarks) 
 /// Returns advice on a region that nothing holds.
 std::string advice_on_hold(const R& r) {
   return "Nothing holds the surface, since the region reaches no vertex that stays: all of it moves with the handle. " +
-         (r.causes.by_radius ? format_text("Give a radius below %.6g, ", r.causes.farthest)
-                             : std::string("Leave a part of the surface out of the region, ")) +
-         "or add a handle group that stays.";
+         (!r.causes.by_radius            ? "Leave a part of the surface out of the region, or add"
+          : r.causes.holding_radius == 0 ? "Add"
+                                         : format_text("Give a radius below %.6g, or add", r.causes.holding_radius)) +
+         " a handle group that stays.";
 }
 
 std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& names) {

@@ -94,6 +94,7 @@ struct AdviceCauses {
   int bent = -1;              ///< that anchor
   bool unheld = false;        ///< neither anchors nor a group without motion hold a component of the region
   bool by_radius = false;     ///< the region was found by its radius
+  double holding_radius = 0;  ///< the radius below which anchors hold all its components, 0: unknown
   double farthest = 0;        ///< largest distance from the handle in the region
   int behind = -1;            ///< the handle vertex of full weight that is farthest from its target
   double distance = 0;        ///< distance of that vertex to its target

@@ -64,18 +64,42 @@ FoundRegion find_region(const TriangleMesh& mesh, const Adjacency& adjacency, co
 
 namespace {
 
-/// Returns whether neither anchors nor a group without motion hold some component of a region, in which something
-/// follows a handle.
-bool is_unheld(const Region& region, const GroupPaths& paths) {
-  std::vector<char> held = region.anchored, follows(held.size(), 0);
+/// Returns for each component of a region whether neither anchors nor a group without motion hold it, although
+/// something in it follows a handle.
+std::vector<char> unheld_components(const Region& region, const GroupPaths& paths) {
+  std::vector<char> held = region.anchored, unheld(held.size(), 0);
   for (int i = 0; i < region.size(); ++i) {
     if (region.group[i] >= 0) {
       held[region.component[i]] |= paths.stays(static_cast<std::size_t>(region.group[i]));
     } else {
-      follows[region.component[i]] = 1;
+      unheld[region.component[i]] = 1;
     }
   }
-  return !std::equal(follows.begin(), follows.end(), held.begin(), [](char one, char is) { return is || !one; });
+  std::transform(unheld.begin(), unheld.end(), held.begin(), unheld.begin(),
+                 [](char one, char is) { return one && !is; });
+  return unheld;
+}
+
+/// Returns the radius below which all these components have anchors: neighbours of the farthest vertices that are no
+/// handles. 0 if some component has none.
+double holding_radius(const Region& region, const std::vector<char>& unheld) {
+  std::vector<double> farthest(unheld.size(), 0), radius(unheld.size(), 0);
+  for (int i = 0; i < region.size(); ++i) {
+    farthest[region.component[i]] = std::max(farthest[region.component[i]], region.distance[i]);
+  }
+  for (int i = 0; i < region.size(); ++i) {
+    const int c = region.component[i];
+    const auto stays = [&](int k) { return rounded_up(region.distance[k]) < farthest[c]; };
+    const CompressedRows::Row ring = region.neighbours[i];
+    if (region.group[i] < 0 && stays(i) && !std::all_of(ring.begin(), ring.end(), stays)) {
+      radius[c] = farthest[c];
+    }
+  }
+  double least = region.max_distance;
+  for (std::size_t c = 0; c < unheld.size(); ++c) {
+    least = unheld[c] ? std::min(least, radius[c]) : least;
+  }
+  return least;
 }
 
 /// Returns the handle group that is nearest to a vertex in space; -1 if there is one group only.
@@ -459,8 +483,12 @@ EditReport StepSolver::report() const {
     report.causes.unsettled_group = nearest_of_several_groups(region(), rest_->local, figures_.unsettled);
   }
   // Users expect a whole component to move, but expect the surface around any other region to stay.
-  report.causes.unheld = region().kind != RegionSpec::Kind::Component && is_unheld(region(), constraints_.paths());
-  report.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
+  if (region().kind != RegionSpec::Kind::Component) {
+    const std::vector<char> unheld = unheld_components(region(), constraints_.paths());
+    report.causes.unheld = std::find(unheld.begin(), unheld.end(), 1) != unheld.end();
+    report.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
+    report.causes.holding_radius = holding_radius(region(), unheld);
+  }
   report.causes.farthest = region().max_distance;
   constexpr double kRoundings = 4;  // rounding errors of two corners and of the fit
   const double largest = std::max(positions_.cwiseAbs().maxCoeff(), rest_->world.cwiseAbs().maxCoeff());

@@ -28,7 +28,7 @@ struct Part {
 };
 
 /// Adds parts beyond the band that only the region connects to the remaining surface. If the region is between two such
-/// parts, it does not add the larger one, nor one of at least half its size.
+/// parts of a component, it does not add the larger one, nor one of at least half its size.
 void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const RegionSpec& spec, Attached& found) {
   const double inner = (1 - spec.padding) * spec.radius;
   const auto n = static_cast<int>(found.distance.size());
@@ -36,7 +36,10 @@ void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const Regio
       std::count_if(found.distance.begin(), found.distance.end(), [](double d) { return d < kUnreached; }));
   std::vector<char> seen(n, 0);
   std::vector<Part> closed;
-  bool any_open = false;
+  std::vector<int> component;
+  // Per component: vertices of its largest closed part; kOpen if a part of it is open.
+  constexpr std::size_t kOpen = 0;
+  std::vector<std::size_t> largest(connected_components(adjacency.neighbours, component), 1);
   Checkpoints checkpoints;
   for (int start = 0; start < n; ++start) {
     if (seen[start] || !(found.distance[start] > inner) || found.distance[start] == kUnreached) {
@@ -60,7 +63,7 @@ void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const Regio
       }
     }
     if (is_open || part.beyond > reached) {
-      any_open = true;
+      largest[component[start]] = kOpen;
       for (const int v : part.vertices) {
         seen[v] = 2;
       }
@@ -68,12 +71,13 @@ void take_tips(const TriangleMesh& mesh, const Adjacency& adjacency, const Regio
       closed.push_back(std::move(part));
     }
   }
-  std::size_t largest = 0;
   for (const Part& part : closed) {
-    largest = any_open ? 0 : std::max(largest, part.vertices.size());
+    std::size_t& most = largest[component[part.vertices[0]]];
+    most = most == kOpen ? kOpen : std::max(most, part.vertices.size());
   }
   for (const Part& part : closed) {
-    if (2 * part.vertices.size() < largest || any_open) {
+    const std::size_t most = largest[component[part.vertices[0]]];
+    if (2 * part.vertices.size() < most || most == kOpen) {
       for (const int v : part.vertices) {
         found.distance[v] = std::min(found.distance[v], spec.radius);
         found.is_free[v] = 1;
