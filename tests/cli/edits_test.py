@@ -408,6 +408,9 @@ class Invariance(Edits):
         for region in ({"radius": 7}, {"within": {"point": [10, 10, 0], "radius": 7}}, {"vertices": "0-399"}):
             held = step(grip, region={**region, "held": wall})
             self.assert_error(edited((points, to[mesh[1]]), held, made_for=mesh[0])[to], edited(mesh, held), 1e-6, region)
+        # The mirror image of the region holds the vertices of the wall, which is outside the region.
+        beyond = step(grip, region={"vertices": near(mesh, (10, 6, 0), 5).tolist(), "held": wall}, mirror={"point": [0, 9.5, 0], "normal": [0, 1, 0]})
+        self.assert_error(edited((points, to[mesh[1]]), beyond, made_for=mesh[0])[to], edited(mesh, beyond), 1e-6, "mirror")
         fit = step(fit={"to": "scan.ply", "exclude": {"vertices": wall}})
         scan = mesh[0] + np.sin(mesh[0][:, [1]] / 4) * Z, mesh[1]
         self.assert_error(edited((points, to[mesh[1]]), fit, made_for=mesh[0], scan=scan)[to], edited(mesh, fit, scan=scan), 1e-6, "fit")

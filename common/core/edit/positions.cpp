@@ -77,14 +77,17 @@ class VertexTransfer {
   }
 
   /// Returns a region with its vertex sets and kept anchors replaced. @param given  whether it lists its vertices
+  /// @param mirrored  whether its mirror image is added
   /// @throws EditError (BadParameter)
-  RegionSpec images(RegionSpec region, bool given) const {
+  RegionSpec images(RegionSpec region, bool given, bool mirrored) const {
     if (!given || region.kind != RegionSpec::Kind::Vertices) {
       replace(region.held);
       return region;
     }
-    // Others have no effect, and older files have no positions for them.
-    region.held = common(sorted_set(std::move(region.held)), sorted_set(region.vertices));
+    // Others have no effect unless they are in the mirror image, and older files have no positions for them.
+    std::vector<int> effective = sorted_set(region.vertices);
+    effective = mirrored ? united(effective, from_.vertices) : effective;
+    region.held = common(sorted_set(std::move(region.held)), effective);
     replace(region.held);
     const KeptAnchors kept = std::exchange(region.anchors, {});
     check_anchors(kept, std::numeric_limits<int>::max());
@@ -266,7 +269,7 @@ void locate_steps(const TriangleMesh& mesh, const Adjacency& adjacency, const Se
     EditStep& step = edit.steps[s];
     const std::string key = entry_key("steps", s) + ".";
     if (to_here) {
-      step.region = to_here->images(std::move(step.region), step.region_query.empty());
+      step.region = to_here->images(std::move(step.region), step.region_query.empty(), step.mirror.has_value());
     }
     if (to_here && step.fit) {
       to_here->replace(step.fit->exclude);
