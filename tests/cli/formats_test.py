@@ -178,6 +178,9 @@ class Damage(ProgramTest):
         camera = binary.index(b"end_header\n") + 11 + 4  # its list
         self.check_refusal("texture.ply", b"ply\nformat ascii 1.0\ncomment TextureFile")
         self.check_refusal("format.ply", files.ply("ascii", mesh).replace(b"format ascii 1.0\n", b"", 1))
+        for name, other in (("real", b"uchar float vertex_indices"), ("name", b"uchar int corners")):
+            self.check_refusal(name + ".ply", files.ply_plain(mesh).replace(b"uchar int vertex_indices", other, 1))
+            self.refused(UNREADABLE, "no list vertex_indices of whole numbers", "--info", name + ".ply")
         for number in (2**31 - 1, 2**31, 2**32 - 1, 2**63, 10**30, -1):
             text, low = b"%d" % number, struct.pack("<I", number % 2**32)
             lies = {e + ".ply": binary.replace(b"element " + e.encode(), b"element " + e.encode() + b" " + text)

@@ -118,7 +118,7 @@ class PlyReader {
     at_ = std::min(file().bytes.size() - text_.left() + more, file().bytes.size());
     text_.seek(at_);
     file().isText = is_text_;
-    requirePositions();
+    requireNumbers();
   }
 
   void readElement() {
@@ -182,12 +182,19 @@ class PlyReader {
     elements_.back().properties.push_back(property);
   }
 
-  void requirePositions() {
+  void requireNumbers() {
     const auto vertex = std::find_if(elements_.begin(), elements_.end(),
                                      [](const Element& element) { return element.name == "vertex"; });
     if (vertex == elements_.end() || vertex->realNumbers[0] != 3) {
       throw UnreadableMesh(
           "its header names no vertices whose x, y and z are float or double: convert it with MeshLab");
+    }
+    for (const Element& element : elements_) {
+      if (element.name == "face" && element.count > 0 &&
+          std::none_of(element.properties.begin(), element.properties.end(),
+                       [](const Property& property) { return property.role == Corners; })) {
+        throw UnreadableMesh("its faces have no list vertex_indices of whole numbers: save it with such a list");
+      }
     }
     const auto& types = vertex->vectors[0].types;
     const bool isSingle =
