@@ -77,6 +77,7 @@ def uneven_face(rows, columns):
     """A face, open at its border: heights with a nose at (0, 0), of vertices that are spaced unevenly and shaken: sizes of
     triangles vary 30 times, many are obtuse."""
     points, faces = grid(rows, columns)
+    faces = np.stack(np.split(faces, 2), 1).reshape(-1, 3)  # both of a square one after the other
     i, j = points[:, 0].astype(int), points[:, 1].astype(int)
     t = 2 * (i + np.where(i % (rows - 1), 0.42 * noise(i, j), 0)) / (rows - 1) - 1
     x = 1.5 * (0.25 * t + 0.75 * t * np.abs(t))
