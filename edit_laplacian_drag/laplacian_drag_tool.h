@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "lapedit_host/tool/host_view.h"
 #include "line_picture.h"

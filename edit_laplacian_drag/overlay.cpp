@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "overlay.h"
 
+#include <Eigen/Geometry>
 #include <QOpenGLContext>
 #include <QOpenGLFunctions>
 #include <algorithm>

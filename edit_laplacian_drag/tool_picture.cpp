@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QtGui/qopengl.h>
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <utility>
 
 #include "laplacian_drag_tool.h"

@@ -8,7 +8,6 @@
 #include "lapedit/base/error.h"
 #include "lapedit/edit/positions.h"
 #include "lapedit/mesh/vertex_set.h"
-#include "lapedit/mesh/vertex_tree.h"
 #include "lapedit/session/messages.h"
 
 namespace lapedit {

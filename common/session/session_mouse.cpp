@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lapedit/base/error.h"
 #include "lapedit/mesh/vertex_set.h"
 #include "lapedit/session/messages.h"
 
