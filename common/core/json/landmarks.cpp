@@ -198,8 +198,9 @@ void read_table(const std::string& text, const std::string& name, const std::str
         continue;  // this line is the header
       }
       if (cells.size() != 3 && cells.size() != 4) {
-        refuse_json(where + ": has " + std::to_string(cells.size()) +
-                    " columns; give name, x, y and z, or a header that names them.");
+        refuse_json(
+            where + ": has " + std::to_string(cells.size()) + (cells.size() == 1 ? " column" : " columns") +
+            "; give name, x, y and z with commas, semicolons or tabs between them, or a header that names them.");
       }
       columns = cells.size() == 3 ? Columns{0, 1, 2, -1, -1} : Columns{1, 2, 3, 0, -1};
     }

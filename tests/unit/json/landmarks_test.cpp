@@ -70,6 +70,8 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("a,0,inf,0\n", "a.csv"), "line 1: the y of landmark \"a\" is \"inf\"");
   expect_contains(refusal("a;0,5;0;0\n", "a.csv"), "the x of landmark \"a\" is \"0,5\"; give a finite number with a");
   expect_contains(refusal("a,0,0,0\nb,0,0\n", "a.csv"), "line 2: has 3 columns, but 4 are needed");
+  expect_contains(refusal("a 0 0 0\n", "a.csv"),
+                  "line 1: has 1 column; give name, x, y and z with commas, semicolons or tabs");
   expect_contains(refusal("a,0\n", "a.csv"), "line 1: has 2 columns");
   expect_contains(refusal(std::string(1000, ','), "a.csv"), "line 1: has more than 1000 columns");
   expect_contains(refusal("a,0,0,0\n\na,1,0,0\n", "a.csv"), "line 3: there are two landmarks \"a\"");
