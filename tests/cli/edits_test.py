@@ -939,6 +939,16 @@ class Shape(Edits):
                 pose = edited(mesh, step(grip, region={"radius": 1}, **({"contact": True} if contact else {})))
                 self.assertEqual(crossings(pose, mesh[1]) == 0, contact, vertex)
 
+    def test_contact_does_not_depend_on_the_order_of_corners(self):
+        points, faces = grid(30, 20)
+        points = points + 0.05 * np.sin(1.3 * points[:, :1]) * Z
+        folded = step(handle(np.flatnonzero(points[:, 0] < 5)),
+                      handle(np.flatnonzero(points[:, 0] > 24), rotation={"axis": [0, 1, 0], "degrees": -190, "center": [14.5, 9.5, 0]}),
+                      region={"component": True}, contact=True)
+        first, other = (edited((points, np.roll(faces, k, axis=1)), folded) for k in (0, 1))
+        self.assertEqual(crossings(first, faces), 0)
+        self.assert_error(other, first, 1e-9, "corners")
+
     def test_rotation_left_is_that_of_the_last_pass(self):
         mesh = grid(60, 60)
         mesh = mesh[0] + 2 * np.sin(mesh[0][:, :1] * 0.8) * np.cos(mesh[0][:, 1:2] * 0.8) * Z, mesh[1]

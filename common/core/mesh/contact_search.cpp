@@ -246,7 +246,9 @@ ContactSurface::ContactSurface(Points rest, Faces moving)
       moving_vertices_(static_cast<int>(rest_.rows())),
       moving_faces_(static_cast<int>(moving.rows())) {
   for (const auto& face : moving.rowwise()) {
-    gap_ += kGap * (rest_.row(face[0]) - rest_.row(face[1])).norm() / moving_faces_;
+    for (int k = 0; k < 3; ++k) {
+      gap_ += kGap / 3 * (rest_.row(face[k]) - rest_.row(face[(k + 1) % 3])).norm() / moving_faces_;
+    }
   }
   add_tree(0, moving);
   moving_nodes_ = static_cast<int>(nodes_.size());
