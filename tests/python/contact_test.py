@@ -115,7 +115,9 @@ class Contact(unittest.TestCase):
         self.assertIsNone(plain.report["steps"][0]["contacts"])
 
     def test_a_jam_is_reported(self):
-        points, faces, step, _, jammed = both_ways("fingers")
+        points, faces, step = CASES["fingers"]()
+        step["handles"][0]["translation"] = [1.05, -0.3, 0]
+        jammed = edit(points, faces, {"steps": [{**step, "contact": True}]})
         report = jammed.report["steps"][0]
         self.assertFalse(report["converged"])
         self.assertRegex(report["stopped"], r"^handle group 0 stops [\d.]+ before its target, at vertex \d+$")
