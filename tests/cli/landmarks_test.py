@@ -27,6 +27,12 @@ def table(named, header="name,x,y,z", separator=",", more=""):
         header, *(f"{name},{x!r},{y!r},{z!r}{more}" for name, (x, y, z) in named.items())])
 
 
+def fiducials(named, system):
+    return (f"# Markups fiducial file version = 4.11\n# CoordinateSystem = {system}\n"
+            "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+            + "".join(f"1,{x!r},{y!r},{z!r},0,0,0,1,1,1,0,{name},,\n" for name, (x, y, z) in named.items()))
+
+
 def markups(named, system):
     return json.dumps({"markups": [{"coordinateSystem": system, "controlPoints": [
         {"label": name, "position": list(point)} for name, point in named.items()]}]})
@@ -36,7 +42,7 @@ def slicer_table(named, system, separator=","):
     return table(named, "label," + ",".join(system.lower()) + ",defined,selected,visible,locked,description", separator, ",1,1,1,0,")
 
 
-WRITERS = {"mrk.json": markups, "csv": slicer_table,
+WRITERS = {"fcsv": fiducials, "mrk.json": markups, "csv": slicer_table,
            "tsv": lambda named, system: slicer_table(named, system, "\t")}
 
 
@@ -77,7 +83,7 @@ class CoordinateSystems(LandmarkTest):
 
     def test_landmarks_are_converted_to_the_space_of_the_mesh(self):
         for space, other in (("LPS", "RAS"), ("RAS", "LPS")):
-            start, end = (self.write(f"{n}.mrk.json", markups(turned(p), other)) for n, p in (("from", NAMED), ("to", TARGETS)))
+            start, end = (self.write(f"{n}.fcsv", fiducials(turned(p), other)) for n, p in (("from", NAMED), ("to", TARGETS)))
             for name, content in named_meshes(space):
                 with self.subTest(name, space=space):
                     mesh = self.write(name, content)
@@ -105,11 +111,11 @@ class CoordinateSystems(LandmarkTest):
     def test_each_file_is_converted_on_its_own(self):
         lps, ras = (self.write(name, content) for space in ("LPS", "RAS") for name, content in [next(named_meshes(space))][:1]
                     for name in [space + name])
-        start, end = self.write("a.mrk.json", markups(NAMED, "LPS")), self.write("b.mrk.json", markups(turned(TARGETS), "RAS"))
+        start, end = self.write("a.fcsv", fiducials(NAMED, "LPS")), self.write("b.mrk.json", markups(turned(TARGETS), "RAS"))
         expected = self.result(lps, *self.plain)[0]
         found, step = self.result(lps, start, end)
         self.assertEqual((found, step["landmark_conversion"]), (expected, "targets from RAS to LPS"))
-        self.assertEqual(self.result(lps, self.write("c.mrk.json", markups(turned(NAMED), "RAS")), self.plain[1])[1]["landmark_conversion"],
+        self.assertEqual(self.result(lps, self.write("c.fcsv", fiducials(turned(NAMED), "RAS")), self.plain[1])[1]["landmark_conversion"],
                          "points from RAS to LPS")
         with self.subTest("the mesh has no system"):  # targets are in that of the points
             found, step = self.result(self.write("plain.ply", files.ply_plain(SHEET)), start, end)
@@ -121,17 +127,17 @@ class CoordinateSystems(LandmarkTest):
 
     def test_landmarks_in_an_edit_are_converted_too(self):
         mesh = self.write(*next(named_meshes("LPS")))
-        self.write("a.mrk.json", markups(turned(NAMED), "RAS"))
+        self.write("a.fcsv", fiducials(turned(NAMED), "RAS"))
         self.write("b.tsv", slicer_table(turned(TARGETS), "RAS", "\t"))
         steps = {}
-        for name, files_of in (("plain", ("from.csv", "to.csv")), ("converted", ("a.mrk.json", "b.tsv"))):
+        for name, files_of in (("plain", ("from.csv", "to.csv")), ("converted", ("a.fcsv", "b.tsv"))):
             edit = self.write_edit({"region": {"component": True}, "handles": [{"landmarks": dict(zip(("from", "to"), files_of))}]})
             steps[name] = self.step(mesh, self.work / f"{name}.ply", edit)
         self.assertEqual(*((self.work / f"{name}.ply").read_bytes() for name in steps))
         self.assertEqual(steps["converted"]["landmark_conversion"], "from RAS to LPS")
 
     def test_text_that_only_looks_like_a_space_is_none(self):
-        start, end = self.write("a.mrk.json", markups(NAMED, "RAS")), self.write("b.mrk.json", markups(TARGETS, "RAS"))
+        start, end = self.write("a.fcsv", fiducials(NAMED, "RAS")), self.write("b.fcsv", fiducials(TARGETS, "RAS"))
         for comment in ("WORKSPACE=LPS", "SPACE=LPSX", "SPACE = LPS is missing", "SPACE=", "SPACE=XYZ"):
             with self.subTest(comment):
                 mesh = self.write("a.ply", files.ply_plain(SHEET).replace(b"obj_info", f"comment {comment}\nobj_info".encode(), 1))
@@ -142,13 +148,13 @@ class CoordinateSystems(LandmarkTest):
     def test_without_a_space_a_refusal_says_which_conversion_fits(self):
         mesh = self.mesh  # over [0, 1] x [0, 1]
         points = {name: (x + 0.5, y + 0.5, z) for name, (x, y, z) in NAMED.items()}
-        for name, content, systems in (("b.mrk.json", markups(turned(points), "RAS"), "from RAS to LPS"),
+        for name, content, systems in (("a.fcsv", fiducials(turned(points), "RAS"), "from RAS to LPS"),
                                        ("a.mrk.json", markups(turned(points), "LPS"), "from LPS to RAS"),
                                        ("a.csv", table(turned(points)), "between RAS and LPS")):
             path = self.write(name, content)
             self.refused(REFUSED, r'Landmark "nose" .* away from .*: check the coordinate system, since with x and y negated, as '
                          + systems + r", all of them are near the surface\.", mesh, "out.ply", "--landmarks", path, path)
-        far = self.write("far.mrk.json", markups({"nose": (7, 5, -3)}, "RAS"))
+        far = self.write("far.fcsv", fiducials({"nose": (7, 5, -3)}, "RAS"))
         self.refused(REFUSED, r": give a point on the surface\.", mesh, "out.ply", "--landmarks", far, far)
 
 
@@ -168,7 +174,7 @@ class Units(LandmarkTest):
 
     def test_unit_and_coordinate_system_together(self):
         points = scaled(turned({name: (x + 0.5, y + 0.5, z) for name, (x, y, z) in NAMED.items()}), 1000)
-        path = self.write("from.mrk.json", markups(points, "RAS"))
+        path = self.write("from.fcsv", fiducials(points, "RAS"))
         self.refused(REFUSED, r"check unit and coordinate system, since divided by 1000, .* metres and with x and y negated, as from RAS",
                      self.mesh, "out.ply", "--landmarks", path, path)
 
@@ -262,7 +268,7 @@ class Messages(LandmarkTest):
     def test_utf_16_is_named(self):
         plain = self.write("plain.csv", table(NAMED))
         picked = "<PickedPoints>" + "".join(f'<point x="{x}" y="{y}" z="{z}" name="{n}"/>' for n, (x, y, z) in NAMED.items()) + "</PickedPoints>"
-        texts = {"csv": table(NAMED), "tsv": table(NAMED, separator="\t"), "mrk.json": markups(NAMED, "RAS"), "pp": picked}
+        texts = {"csv": table(NAMED), "tsv": table(NAMED, separator="\t"), "fcsv": fiducials(NAMED, "RAS"), "mrk.json": markups(NAMED, "RAS"), "pp": picked}
         meshes = {"ply": files.ply_plain(SHEET), "off": files.off(SHEET), "obj": files.obj(SHEET), "stl": files.stl_text(SHEET)}
         for encoding, mark in (("utf-16", ""), ("utf-16-le", ""), ("utf-16-be", "\ufeff")):
             for suffix, text in texts.items():

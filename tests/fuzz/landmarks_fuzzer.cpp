@@ -13,7 +13,7 @@
 using namespace lapedit;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static constexpr std::array<const char*, 4> kNames = {"a.pp", "a.csv", "a.tsv", "a.mrk.json"};
+  static constexpr std::array<const char*, 5> kNames = {"a.pp", "a.csv", "a.tsv", "a.fcsv", "a.mrk.json"};
   const std::string text(reinterpret_cast<const char*>(data), size);
   for (const char* const name : kNames) {
     try {

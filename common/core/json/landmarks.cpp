@@ -171,13 +171,37 @@ Columns columns_of(std::vector<std::string> header, std::string& system) {
   return columns;
 }
 
+/// Returns the name of a coordinate system. Old files give a number in place of the name.
+std::string coordinate_system(const std::string& text) {
+  return text == "0" ? "RAS" : text == "1" ? "LPS" : upper(text);
+}
+
+/// Reads the comments of 3D Slicer's .fcsv, which name the columns and the coordinate system.
+void read_comment(const std::string& where, const std::string& comment, Collector& all, Columns& columns) {
+  const std::size_t equals = std::min(comment.find('='), comment.size());
+  const std::string key = lower(trimmed(comment.substr(1, equals - 1)));
+  const std::string value = trimmed(comment.substr(std::min(equals + 1, comment.size())));
+  if (key == "coordinatesystem") {
+    all.file.system = coordinate_system(value);
+  } else if (key == "columns") {
+    columns = columns_of(cells_of(value, ','), all.file.system);
+    if (std::count(columns.begin(), columns.end() - 1, -1) > 0) {
+      refuse_json(where + ": the columns are not named x, y, z and label; save it with 3D Slicer.");
+    }
+  }
+}
+
 void read_table(const std::string& text, const std::string& name, const std::string& suffix, Collector& all) {
-  Columns columns = {-1, -1, -1, -1, -1};
-  char separator = suffix == ".tsv" ? '\t' : '\0';
+  const bool is_fcsv = suffix == ".fcsv";
+  Columns columns = is_fcsv ? Columns{1, 2, 3, 11, -1} : Columns{-1, -1, -1, -1, -1};
+  char separator = is_fcsv ? ',' : suffix == ".tsv" ? '\t' : '\0';
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     const std::string where = name + ", line " + std::to_string(number), content = trimmed(line);
+    if (is_fcsv && content[0] == '#') {
+      read_comment(where, content, all, columns);
+    }
     if (content.empty() || content[0] == '#') {
       continue;
     }
@@ -233,7 +257,7 @@ void read_markups(const std::string& text, Collector& all) {
   for (std::size_t m = 0; m < markups.json.size(); ++m) {
     const JsonValue points = list_of(markups[m], "controlPoints");
     if (const Json& system = markups[m]["coordinateSystem"].json; system.is_string()) {
-      const std::string before = std::exchange(all.file.system, upper(system.get<std::string>()));
+      const std::string before = std::exchange(all.file.system, coordinate_system(system.get<std::string>()));
       if (m > 0 && before != all.file.system) {
         markups[m].refuse("is in " + all.file.system + " coordinates, the list before in " + before +
                           "; save them in one system.");
@@ -280,15 +304,12 @@ LandmarkFile read_landmarks(const std::string& text, const std::string& name) {
   }
   if (suffix == ".pp") {
     read_picked_points(content, shown, all);
-  } else if (suffix == ".csv" || suffix == ".tsv") {
+  } else if (suffix == ".csv" || suffix == ".tsv" || suffix == ".fcsv") {
     read_table(content, shown, suffix, all);
   } else if (suffix == ".json") {
     refused_at(shown, [&] { read_markups(content, all); });
   } else {
-    refuse_json(
-        shown +
-        " has no suffix of a landmark file; give one of .pp, .csv, .tsv and .mrk.json (3D Slicer saves .fcsv as "
-        ".mrk.json).");
+    refuse_json(shown + " has no suffix of a landmark file; give one of .pp, .csv, .tsv, .fcsv and .mrk.json.");
   }
   if (all.file.landmarks.empty()) {
     refuse_json(shown + " has no landmarks; give at least one.");

@@ -22,7 +22,7 @@ struct LandmarkFile {
 
 /// Reads landmarks from text: MeshLab's picked points (.pp; those that are active), .csv and .tsv (name, x, y, z, or
 /// x, y, z, which are named by their number from 1; with or without a header; 3D Slicer's tables, whose header names
-/// the coordinate system, as in label, r, a, s), 3D Slicer's .mrk.json. Undefined points are skipped.
+/// the coordinate system, as in label, r, a, s), 3D Slicer's .fcsv and .mrk.json. Undefined points are skipped.
 /// @param name  of the file: its suffix tells the format
 /// @throws EditError (BadScript) that names line or landmark: not of the format, no landmark, a coordinate that is no
 ///         finite number, a name that is there twice

@@ -229,7 +229,7 @@ class Editor:
         """Reads two landmark files and pairs them by their names.
 
         Args:
-            from_file: landmarks on this mesh, .pp, .csv, .tsv or .mrk.json; to_file: where they go.
+            from_file: landmarks on this mesh, .pp, .csv, .tsv, .fcsv or .mrk.json; to_file: where they go.
 
         Returns:
             A handle group for a step or a pose: {"points": (k, 3), "targets": (k, 3)}, in the mesh's coordinate system.
@@ -296,7 +296,7 @@ def fit_landmarks(from_file: Any, to_file: Any) -> Dict[str, Any]:
     """Returns an edit that fits whole surfaces to landmarks, by settings that suit landmarks all over them.
 
     Args:
-        from_file: landmarks on the mesh, .pp, .csv, .tsv or .mrk.json; to_file: where they go. They are paired by
+        from_file: landmarks on the mesh, .pp, .csv, .tsv, .fcsv or .mrk.json; to_file: where they go. They are paired by
             their names.
 
     Returns:

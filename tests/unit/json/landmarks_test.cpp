@@ -29,7 +29,13 @@ constexpr char kPicked[] = R"(<!DOCTYPE PickedPoints>
 </PickedPoints>
 )";
 
-/// As 3D Slicer writes it.
+/// As 3D Slicer writes them.
+constexpr char kFiducials[] = R"(# Markups fiducial file version = 4.11
+# CoordinateSystem = LPS
+# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID
+1,0.25,-1,0.001,0,0,0,1,1,1,0,nose & tip,,,2,0
+2,1,2,3,0,0,0,1,1,1,0,"chin",,,2,0
+)";
 constexpr char kMarkups[] =
     R"({"@schema": "https://raw.githubusercontent.com/slicer/Slicer/main/markups-schema-v1.0.3.json#",
  "markups": [{"type": "Fiducial", "coordinateSystem": "LPS", "controlPoints": [
@@ -51,6 +57,10 @@ const Named kBoth = {{"nose & tip", {0.25, -1, 0.001}}, {"chin", {1, 2, 3}}};
 
 TEST(Landmarks, AllFormatsAreRead) {
   EXPECT_EQ(read(kPicked, "a.pp"), kBoth);
+  EXPECT_EQ(read(kFiducials, "a.fcsv"), kBoth);
+  EXPECT_EQ(read_landmarks(kFiducials, "a.fcsv").system, "LPS");
+  EXPECT_EQ(read_landmarks("#\n#=\n# columnss\n# coordinatesystem=ras\n1,1,2,3,0,0,0,1,1,1,0,a\n", "a.fcsv").system,
+            "RAS");
   EXPECT_EQ(read(kMarkups, "A.MRK.JSON"), kBoth);
   EXPECT_EQ(read_landmarks(kMarkups, "a.mrk.json").system, "LPS");
   EXPECT_EQ(read("nose & tip,0.25,-1,1e-3\nchin,1,2,3\n", "a.csv"), kBoth);
@@ -77,7 +87,6 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("a,0,0,0\n\na,1,0,0\n", "a.csv"), "line 3: there are two landmarks \"a\"");
   expect_contains(refusal(",0,0,0\n", "a.csv"), "line 1: the landmark has no name");
   expect_contains(refusal("a,0,0,0\n", "a.txt"), "has no suffix of a landmark file");
-  expect_contains(refusal("1,0,0,0,0,0,0,1,1,1,0,a\n", "a.fcsv"), "give one of .pp, .csv, .tsv and .mrk.json");
   expect_contains(refusal("label,r,a,s,defined\na,0,0,0,0\n", "a.csv"), "\"a.csv\" has no landmarks");
   expect_contains(refusal("label,r,a,s,defined\na,0,0,0\n", "a.csv"), "line 2: has 4 columns, but 5 are needed");
   expect_contains(refusal("", "a.pp"), "has no element PickedPoints");
@@ -87,6 +96,8 @@ TEST(Landmarks, WhatIsWrongIsSaidWithPlaceAndName) {
   expect_contains(refusal("<PickedPoints><point x=\"1", "a.pp"), "is truncated within an element");
   expect_contains(refusal("<PickedPoints>\n<point x=\"1\" y=\"2\" z=\"3\" name=\"a\"/>\n", "a.pp"),
                   "\"a.pp\": is truncated after landmark \"a\"; save it again");
+  expect_contains(refusal("1,0,0,zero,0,0,0,1,1,1,0,a\n", "a.fcsv"), "line 1: the z of landmark \"a\" is \"zero\"");
+  expect_contains(refusal("# columns = a,b\n1,2\n", "a.fcsv"), "columns are not named x, y, z and label");
   expect_contains(refusal("{}", "a.json"), "no list markups");
   expect_contains(refusal("{", "a.json"), "\"a.json\": ");
   expect_contains(refusal(R"({"markups": [{"coordinateSystem": "RAS", "controlPoints": []},
