@@ -487,7 +487,7 @@ EditReport StepSolver::report() const {
     const std::vector<char> unheld = unheld_components(region(), constraints_.paths());
     report.causes.unheld = std::find(unheld.begin(), unheld.end(), 1) != unheld.end();
     report.causes.by_radius = region().kind == RegionSpec::Kind::Radius;
-    report.causes.holding_radius = holding_radius(region(), unheld);
+    report.causes.holding_radius = report.causes.unheld ? holding_radius(region(), unheld) : 0;
   }
   report.causes.farthest = region().max_distance;
   constexpr double kRoundings = 4;  // rounding errors of two corners and of the fit
