@@ -315,7 +315,7 @@ class Fits(unittest.TestCase):
         self.assertEqual(self.report["fit"]["hidden_pieces"], 3)
         self.assertGreater(np.linalg.norm(found - truth, axis=1)[first + count:].mean(), 0.1)  # the scan does not draw it
 
-    def test_coordinates_numbers_soups_and_nan_points_without_faces_change_nothing(self):
+    def test_coordinates_numbers_mirror_images_soups_and_nan_points_without_faces_change_nothing(self):
         expected = self.fit()
 
         def moved(p):
@@ -328,6 +328,8 @@ class Fits(unittest.TestCase):
             return np.vstack([np.full((1, 3), np.nan), mesh[0]]), mesh[1] + 1
         self.assertLess(np.abs(self.fit(mesh=(moved(HEAD[0]), HEAD[1]), scan=(moved(SCAN[0]), SCAN[1])) - moved(expected)).max(), 1e-7)
         self.assertLess(np.abs(self.fit(mesh=renumbered(HEAD), scan=renumbered(SCAN))[::-1] - expected).max(), 1e-7)
+        image = [(points * (-1, 1, 1), faces[:, ::-1]) for points, faces in (HEAD, SCAN)]
+        self.assertLess(np.abs(self.fit(mesh=image[0], scan=image[1]) * (-1, 1, 1) - expected).max(), 1e-7)
         self.assertTrue((self.fit(scan=with_nan_first(SCAN)) == expected).all())
         self.assertTrue((self.fit(mesh=with_nan_first(HEAD))[1:] == expected).all())
         soup = HEAD[0][HEAD[1].ravel()], np.arange(HEAD[1].size).reshape(-1, 3)

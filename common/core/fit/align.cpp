@@ -126,7 +126,8 @@ bool spans_a_plane(const Points& points) {
 /// one without a rotation, and four that rotate the template's principal axes to those of the scan.
 std::vector<SimilarityMap> starts_of(const SurfaceIndex& from, const Scan& scan, const SimilarityMap& in_place,
                                      double scale) {
-  const Matrix3 mine = principal_axes(from.points(), from.faces());
+  Matrix3 mine = principal_axes(from.points(), from.faces());
+  mine.col(2) *= mine.determinant() * scan.axes().determinant();
   std::vector<Matrix3> rotations = {Matrix3::Identity(), scan.axes() * mine.transpose()};
   for (int axis = 0; axis < 3; ++axis) {
     Vector3 signs = -Vector3::Ones();

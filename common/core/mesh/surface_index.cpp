@@ -3,6 +3,7 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -23,14 +24,12 @@ Points centres_of(const Points& points, const Faces& faces) {
   return centres;
 }
 
-/// Returns the first corner of a face along an axis, so that what depends on the order of corners is the same however
-/// they are numbered.
-int first_corner(const Points& points, const Faces& faces, int face, const Vector3& axis) {
-  const Vector3 along(points.row(faces(face, 0)).dot(axis), points.row(faces(face, 1)).dot(axis),
-                      points.row(faces(face, 2)).dot(axis));
-  int first = 0;
-  along.minCoeff(&first);
-  return first;
+/// Returns the corners of a face in their order along an axis, so that it does not depend on numbers or orientation.
+std::array<int, 3> corners_along(const Points& points, const Faces& faces, int face, const Vector3& axis) {
+  std::array<int, 3> corners = {0, 1, 2};
+  std::sort(corners.begin(), corners.end(),
+            [&](int a, int b) { return points.row(faces(face, a)).dot(axis) < points.row(faces(face, b)).dot(axis); });
+  return corners;
 }
 
 /// Spreads the lower 21 bits of a number to every third bit.
@@ -323,7 +322,7 @@ Matrix3 principal_axes(const Points& points, const Faces& faces) {
   }
   moments = (moments / kUnit).array().round();
   Matrix3 axes = Eigen::JacobiSVD<Matrix3>(moments, Eigen::ComputeFullU).matrixU();
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < 3; ++axis) {
     double skewness = 0;
     for (Eigen::Index f = 0; f < areas.size(); ++f) {
       const double along = centred.row(f).dot(axes.col(axis));
@@ -331,7 +330,6 @@ Matrix3 principal_axes(const Points& points, const Faces& faces) {
     }
     axes.col(axis) *= skewness < -kUnit ? -1 : 1;
   }
-  axes.col(2) *= axes.determinant();
   return axes;
 }
 
@@ -356,9 +354,9 @@ SurfaceSamples SurfaceIndex::samples(int count, const Matrix3& axes) const {
     v = std::fmod(v + 0.56984029099805327, 1);
     if (!cloud) {
       const Vector3 weights = u + v > 1 ? Vector3(u + v - 1, 1 - u, 1 - v) : Vector3(1 - u - v, u, v);
-      const int first = first_corner(points_, faces_, at.face, oblique);
+      const std::array<int, 3> corners = corners_along(points_, faces_, at.face, oblique);
       for (int c = 0; c < 3; ++c) {
-        at.weights[(first + c) % 3] = weights[c];
+        at.weights[corners[c]] = weights[c];
       }
     }
     samples.points.row(k) = position(at).transpose();

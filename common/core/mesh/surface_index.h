@@ -24,11 +24,12 @@ Vector3 nearest_weights(const Vector3& p, const Vector3& a, const Vector3& b, co
 /// All are finite.
 std::vector<int> order_by_position(const Points& points);
 
-/// Returns the principal axes of a surface as columns, the longest first; right-handed. They do not depend on the
-/// coordinate system, unless the surface is symmetric.
+/// Returns the principal axes of a surface as columns, the longest first; right- or left-handed. They do not depend on
+/// the coordinate system, unless the surface is symmetric, and mirror with the surface.
 Matrix3 principal_axes(const Points& points, const Faces& faces);
 
-/// Some points of a surface, evenly by area, with normals; of a cloud every n-th point. They do not depend on numbers.
+/// Some points of a surface, evenly by area, with normals; of a cloud every n-th point. They do not depend on numbers,
+/// and mirror with the surface.
 struct SurfaceSamples {
   Points points, normals;
 };
@@ -59,7 +60,7 @@ class SurfaceIndex {
   bool is_on_border(int vertex) const { return border_[static_cast<std::size_t>(vertex)] != 0; }
   bool has_border() const { return std::find(border_.begin(), border_.end(), 1) != border_.end(); }
 
-  /// @param axes  a rotation; samples are chosen along its columns
+  /// @param axes  orthogonal; samples are chosen along its columns
   SurfaceSamples samples(int count, const Matrix3& axes) const;
 
   const Points& points() const { return points_; }
