@@ -315,6 +315,18 @@ class Fits(unittest.TestCase):
         self.assertEqual(self.report["fit"]["hidden_pieces"], 3)
         self.assertGreater(np.linalg.norm(found - truth, axis=1)[first + count:].mean(), 0.1)  # the scan does not draw it
 
+    def test_a_piece_that_lies_where_another_lies_has_advice(self):
+        """The third one of a row of heads is missing: its neighbour draws it."""
+        def row(levels, degrees, *places):
+            whole = head(levels, degrees)
+            for at in places:
+                whole = together(whole, head(levels, degrees), at)
+            return whole
+        places = [(1.9 * k, 0.3 * np.sin(k), 0.15 * k * k) for k in range(1, 6)]
+        mesh = row(3, 0, *places)
+        self.assertIn("lie where other parts of it lie too", self.advice(mesh=mesh, scan=row(3, 25, *places[:1], *places[2:])))
+        self.assertEqual(self.advice(mesh=mesh, scan=row(3, 25, *places)), "")
+
     def test_coordinates_numbers_mirror_images_soups_and_nan_points_without_faces_change_nothing(self):
         expected = self.fit()
 

@@ -237,7 +237,7 @@ std::string advice_on_hold(const R& r) {
 std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& names) {
   constexpr double kOtherUnit = 5, kOdd = 3.3, kOddDistance = 0.04, kContradict = 0.6, kMirrored = 1.3, kHalf = 0.5,
                    kLittle = 0.4, kUncovered = 0.01, kStretch = 1.8, kFarSlid = 0.03, kMany = 0.15, kSame = 1.05,
-                   kBetter = 0.8, kDiffers = 3, kFreely = 0.021;
+                   kBetter = 0.8, kDiffers = 3, kFreely = 0.021, kDoubled = 0.02;
   const double contradiction = fit.by_landmarks.value_or(0), second = fit.orientations.second.value_or(0);
   const Orientations& compared = fit.orientations;
   const FitSlide& slide = fit.slide;
@@ -273,6 +273,10 @@ std::string advice_on_fit(const F& fit, const std::vector<LandmarkResidual>& nam
             "Parts of the scan are far from the template (RMS of all %.3g): check the alignment, give landmarks "
             "or \"borders\", or remove inner layers and what does not belong to the object.",
             fit.uncovered)},
+       {fit.doubled > kDoubled,
+        format_text("%.3g %% of the template lie where other parts of it lie too: exclude what the scan does not show, "
+                    "or give landmarks.",
+                    100 * fit.doubled)},
        {fit.largest_stretch > kStretch,
         format_text("Triangles became %.3g times as long as most: check the alignment, or give landmarks.",
                     fit.largest_stretch)},

@@ -53,6 +53,7 @@ struct FitReport {
   /// Whether landmarks aligned it: then their RMS distance to the targets, over that of the targets to their mean.
   std::optional<double> by_landmarks;
   double uncovered = 0;        ///< RMS distance of the whole scan from the template
+  double doubled = 0;          ///< fraction of the template that lies where another part of it lies too
   double largest_stretch = 1;  ///< of its triangles, but for half a percent of them, over the median
   double slid = 0;             ///< overlap() before the borders were drawn to each other; 0: they were not
   FitSlide slide;

@@ -177,6 +177,25 @@ double Correspondences::uncovered() const {
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, back_.pairs.size())));
 }
 
+double Correspondences::doubled(const Points& rest, double away, ThreadPool& pool) const {
+  constexpr double kStretched = 3;
+  Eigen::ArrayXi elsewhere = Eigen::ArrayXi::Zero(rest.rows());
+  for_indices(pool, static_cast<int>(rest.rows()), kGrain, [&](int k) {
+    if (const Pair& pair = forward_.pairs[static_cast<std::size_t>(k)]; pair.distance >= 0) {
+      const NearestPoint at = surface_.nearest(scan_.surface().position(pair.at));
+      Eigen::RowVector3d apart = -rest.row(k);
+      for (int c = 0; c < 3; ++c) {
+        apart += at.weights[c] * rest.row(surface_.faces()(at.face, c));
+      }
+      const double before = apart.norm(), after = (surface_.position(at) - surface_.points().row(k).transpose()).norm();
+      elsewhere[k] = before > std::max(away, kStretched * after) ? 1 : 0;
+    }
+  });
+  const auto paired =
+      std::count_if(forward_.pairs.begin(), forward_.pairs.end(), [](const Pair& p) { return p.distance >= 0; });
+  return elsewhere.sum() / std::max(1.0, static_cast<double>(paired));
+}
+
 double Correspondences::matched(bool back) const {
   const auto all = back ? static_cast<std::ptrdiff_t>(back_.pairs.size()) : std::count(free_.begin(), free_.end(), 1);
   return all > 0 ? static_cast<double>(distances(back).size()) / static_cast<double>(all) : 0;

@@ -43,6 +43,10 @@ class Correspondences {
   double matched(bool back) const;
   /// Returns the RMS distance of all samples of the scan from the template, also of those without a pair.
   double uncovered() const;
+  /// Returns the fraction of the template's pairs whose points of the scan are near to another part of the template
+  /// too.
+  /// @param rest  the template before the fit. @param away  distance of parts there
+  double doubled(const Points& rest, double away, ThreadPool& pool) const;
 
  private:
   struct Pair {

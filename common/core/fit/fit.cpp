@@ -397,6 +397,8 @@ void Fit::finish(double length) {
   result_.report.from_scan.beyond = of_.scan.size() * beyond(of_.scan.surface(), *surface_);
   result_.report.opposed = pairs_->turn_normals(*pool_);
   result_.report.uncovered = of_.scan.size() * pairs_->uncovered();
+  constexpr double kAway = 0.1;
+  result_.report.doubled = pairs_->doubled(rest_, kAway * size_, *pool_);
   result_.report.largest_stretch = largest_stretch();
   result_.report.slide = slide();
   check_landmarks();
